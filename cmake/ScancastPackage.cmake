@@ -57,7 +57,7 @@ streams the pictures to browsers and programs. Graphics cards are used where
 there are any."
   PACKAGE_SHLIBDEPS ON
   PACKAGE_DEPENDS "systemd-standalone-sysusers | systemd-sysusers"
-  PACKAGE_RECOMMENDS "libegl1"
+  PACKAGE_RECOMMENDS "ca-certificates, libegl1"  # object storage by https
   PACKAGE_SUGGESTS "scancast-client, scancast-import-pcl, scancast-doc, libgl1-mesa-dri, libosmesa6, nginx")
 set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
   "${debian}/postinst" "${debian}/prerm" "${debian}/postrm" "${debian}/conffiles")

@@ -20,6 +20,8 @@ std::string_view name(ErrorCode code) {
             return "unsupported";
         case ErrorCode::Io:
             return "io";
+        case ErrorCode::Unavailable:
+            return "unavailable";
         case ErrorCode::Importer:
             return "importer";
         case ErrorCode::ResourceLimit:

@@ -20,6 +20,7 @@ enum class ErrorCode : std::uint8_t {
     Empty,              ///< a well-formed scan without a single point
     Unsupported,        ///< well formed, but not something that this program does
     Io,                 ///< the operating system refused
+    Unavailable,        ///< what it comes from cannot be reached at present; later it may (HTTP 503)
     Importer,           ///< an importer process crashed, hung or lied
     ResourceLimit,      ///< too large for a configured limit (HTTP 413 or 503)
     Cancelled,          ///< abandoned on request; nothing is wrong

@@ -29,6 +29,8 @@ std::string_view title(ErrorCode code) {
             return "This server does not do that";
         case ErrorCode::Io:
             return "The operating system refused";
+        case ErrorCode::Unavailable:
+            return "What this comes from cannot be reached at present";
         case ErrorCode::Importer:
             return "An importer failed";
         case ErrorCode::ResourceLimit:
@@ -64,6 +66,7 @@ int httpStatus(ErrorCode code) {
         case ErrorCode::Unsupported:
             return 422;
         case ErrorCode::Cancelled:
+        case ErrorCode::Unavailable:
         case ErrorCode::DeviceUnavailable:
         case ErrorCode::DeviceLost:
             return 503;

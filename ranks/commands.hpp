@@ -8,10 +8,14 @@ namespace scancast {
 /// Each adds its subcommand to `app`; when it is the one called, its callback runs it and sets `exitCode`
 /// (0 = done, 1 = failed with an error on standard error, told by one rank).
 void addRanksIngest(CLI::App& app, int& exitCode);
+void addRanksServe(CLI::App& app, int& exitCode);
+void addRanksRender(CLI::App& app, int& exitCode);
 
 /// All of them.
 inline void addRanksCommands(CLI::App& app, int& exitCode) {
     addRanksIngest(app, exitCode);
+    addRanksServe(app, exitCode);
+    addRanksRender(app, exitCode);
 }
 
 }  // namespace scancast

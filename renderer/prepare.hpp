@@ -52,7 +52,7 @@ std::vector<CutView> cutsOf(const Cloud& cloud, const PlannedView& planned);
 /// How many samples all cuts of the complete picture have together; nothing is loaded for it.
 std::uint64_t samplesWanted(const Cloud& cloud, const PlannedView& planned);
 
-/// With options.wait it may take as long as loading does. Errors: Cancelled; ResourceLimit when brute force
+/// With options.wait it may take as long as loading does. Errors: Cancelled; Unavailable; ResourceLimit when brute force
 /// would exceed the memory limit.
 Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
                                                       std::shared_ptr<const PlannedView> planned,

@@ -28,6 +28,7 @@ ApiOptions apiOptions(const ServerOptions& options) {
             {options.host, options.allowedOrigins, options.allowedHosts},
             options.cache,
             options.kept,
+            options.remote,
             options.tokens,
             options.rates,
             options.costs,

@@ -40,10 +40,11 @@ struct ServerOptions {
     Rates rates = shippedRates();  ///< what pictures cost
     CostLimits costs;              ///< and may
     RequestLogOptions requestLog{};
-    std::shared_ptr<BlockCache> cache;  ///< that the clouds' blocks live in, if any do
-    std::shared_ptr<KeptClouds> kept;   ///< in which scans are kept, if any are; for /metrics
-    std::filesystem::path dataRoot;     ///< whose files administrators may add; empty = none
-    std::size_t maxClouds = 256;        ///< at most in the catalog, by administrators
+    std::shared_ptr<BlockCache> cache;    ///< that the clouds' blocks live in, if any do
+    std::shared_ptr<KeptClouds> kept;     ///< in which scans are kept, if any are; for /metrics
+    std::shared_ptr<RemoteFiles> remote;  ///< that clouds behind URLs are read by; for /metrics
+    std::filesystem::path dataRoot;       ///< whose files administrators may add; empty = none
+    std::size_t maxClouds = 256;          ///< at most in the catalog, by administrators
 };
 
 class ScancastServer {

@@ -26,6 +26,11 @@ bool isFinal(const Error& error) {
     }
 }
 
+/// Of an older server: it refuses words that it does not know, those of the view excepted, which have names of their own.
+bool isUnknownWord(const Error& error) {
+    return error.field == "view" || error.field == "seq" || error.field == "frame";
+}
+
 double chance() {
     thread_local std::minstd_rand random(std::random_device{}());
     return std::uniform_real_distribution<double>(0, 1)(random);
@@ -78,8 +83,9 @@ Expected<Stream> LiveStream::open(const Timeouts& timeouts) {
     sayWhatIsSeen();
     auto stream = Stream::open(url_, hello_, timeouts, options_.credentials);
     if (stream || !isFinal(stream.error()) || hello_.view.is_null()) return stream;
-    // It knows no such field, or cannot show that any more: what is to be seen is said once there is a session.
-    saysView_ = false;
+    // It knows no such field, or cannot show that any more: what is to be seen is said once there is a session. What it cannot
+    // show now, it or another one may show the next time.
+    if (isUnknownWord(stream.error())) saysView_ = false;
     hello_.view = nullptr;
     hello_.seq = hello_.frame = 0;
     return Stream::open(url_, hello_, timeouts, options_.credentials);
@@ -97,7 +103,12 @@ void LiveStream::run(const std::stop_token& stop) {
             lost = serve(*stream, stop, next);
             attach(nullptr);
             if (stop.stop_requested()) std::ignore = stream->close();  // nobody is left to be told
-            if (next) continue;
+            if (next) {
+                // It need not keep the session for anybody who comes back; the other one's frames wait for this.
+                constexpr std::chrono::milliseconds patience{500};
+                std::ignore = stream->close(patience);
+                continue;
+            }
         } else {
             lost = std::move(stream.error());
         }

@@ -134,11 +134,16 @@ class Stream::Connection {
         boost::asio::post(io_, [] {});
     }
 
+    /// For an answer.
+    std::chrono::milliseconds patience() const { return timeouts_.answer; }
+
     bool gotText() const { return socket_->got_text(); }
 
-    Expected<void> close() {
-        const auto error =
-            run([&](auto handler) { socket_->async_close(websocket::close_code::normal, handler); });
+    Expected<void> close(std::chrono::milliseconds patience) {
+        const auto error = runUntil(
+            io_, Clock::now() + patience,
+            [&](auto handler) { socket_->async_close(websocket::close_code::normal, handler); },
+            [this] { drop(); });
         // Whoever hangs up first has closed, too; proxies do so without another word.
         const bool hungUp = error == websocket::error::closed || error == boost::asio::error::eof ||
                             error == boost::asio::error::connection_reset ||
@@ -281,7 +286,11 @@ Expected<ReceivedFrame> Stream::receiveFrame() {
 }
 
 Expected<void> Stream::close() {
-    return connection_->close();
+    return connection_->close(connection_->patience());
+}
+
+Expected<void> Stream::close(std::chrono::milliseconds patience) {
+    return connection_->close(std::min(patience, connection_->patience()));
 }
 
 }  // namespace scancast::client

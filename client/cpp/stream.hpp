@@ -68,6 +68,8 @@ class Stream {
 
     /// Says goodbye and waits for the server's.
     Expected<void> close();
+    /// The same, but waits no longer than that, nor than for any answer.
+    Expected<void> close(std::chrono::milliseconds patience);
 
   private:
     class Connection;

@@ -39,7 +39,7 @@ class SampleStore {
     /// The same for many, in the order asked for: a lock is taken once at most.
     virtual std::vector<std::optional<SampleRun>> findAll(std::span<const std::uint32_t> nodes);
     /// Loads it if need be, and waits for that. Errors: Malformed, Truncated, Io for a damaged block;
-    /// Cancelled.
+    /// Cancelled; Unavailable, where it may be tried again soon.
     virtual Expected<SampleRun> load(std::uint32_t node, std::stop_token stop = {}) = 0;
     /// Loads all of these, several at a time, and waits until every one has its answer, in the order asked
     /// for: its samples or what load() would say. Once `stop` is requested, what is missing is Cancelled.
@@ -50,7 +50,7 @@ class SampleStore {
     virtual void request(std::uint64_t requester, std::vector<BlockRequest> requests) = 0;
     /// Everything is in memory and stays there.
     virtual bool whole() const = 0;
-    /// It was tried, and its block cannot be read.
+    /// It was tried, and its block cannot be read. What is only Unavailable is not damaged.
     virtual bool damaged(std::uint32_t node) const = 0;
     /// Most samples that one picture may hold on to at once.
     virtual std::uint64_t capacity() const = 0;

@@ -20,6 +20,8 @@ using CachedCloud = BlockTable::CloudBlocks;
 // Of one cloud; a screenful of samples, so that a picture is never coarser than that.
 constexpr std::uint64_t mostPinned = 16u << 20;
 constexpr std::uint64_t pinsRequester = ~0ull;
+// Of a cloud behind a network, that are fetched before anybody asks: they would be in the way of the first picture.
+constexpr std::uint64_t mostFetchedAhead = 4u << 20;
 
 BlockTable::Time now() {
     using namespace std::chrono;
@@ -41,7 +43,8 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
   public:
     explicit Cache(const BlockCacheOptions& options)
         : options_(options), table_(options.memoryLimit, options.grace.count()) {
-        for (int i = 0; i < std::max(1, options.threads); ++i) threads_.emplace_back([this] { loadLoop(); });
+        for (int i = 0; i < std::max(1, options.threads); ++i)
+            threads_.emplace_back([this] { loadLoop(Lane::Local); });
     }
     ~Cache() override {
         stop();
@@ -69,14 +72,25 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     using Lock = Monitor::Lock;
     using Loaded = Expected<std::shared_ptr<const Block>>;
 
+    /// Files of this machine, and those of others, which nobody who reads the former waits for.
+    enum class Lane : std::uint8_t { Local, Remote };
+    static Lane laneOf(const CachedCloud& cloud) { return cloud.isRemote ? Lane::Remote : Lane::Local; }
+    RequestQueue& requestsOf(Lane lane) { return lane == Lane::Remote ? remoteRequests_ : requests_; }
+    const RequestQueue& requestsOf(Lane lane) const {
+        return lane == Lane::Remote ? remoteRequests_ : requests_;
+    }
+
     // What threads wait for; with the lock held.
-    bool loadIsDue() const { return stopping_ || anyDemandHasWork() || !requests_.empty(); }
+    bool loadIsDue(Lane lane) const {
+        return stopping_ || anyDemandHasWork(lane) || !requestsOf(lane).empty();
+    }
     bool isOver(const Demand& demand) const { return demand.complete() || stopping_; }
 
-    void loadLoop();
-    void serveDemand(Lock& lock);
-    void serveRequest(Lock& lock);
-    bool anyDemandHasWork() const;
+    void startRemoteThreads();
+    void loadLoop(Lane lane);
+    void serveDemand(Lane lane, Lock& lock);
+    void serveRequest(Lane lane, Lock& lock);
+    bool anyDemandHasWork(Lane lane) const;
     void work(Demand& demand, Lock& lock);
     void look(CachedCloud& cloud, std::uint32_t node, Lock& lock);
     void load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room,
@@ -87,11 +101,11 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     const BlockCacheOptions options_;
     mutable Monitor monitor_;  // guards what follows
     BlockTable table_;
-    RequestQueue requests_;
+    RequestQueue requests_, remoteRequests_;
     std::vector<Demand*> demands_;
     std::size_t turn_ = 0;  // of the demands
     std::uint64_t loaded_ = 0, damaged_ = 0;
-    bool stopping_ = false;
+    bool stopping_ = false, hasRemoteThreads_ = false;
     std::vector<std::thread> threads_;
 };
 
@@ -147,10 +161,15 @@ std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
         const std::uint64_t all = table_.limit() / 4;
         const std::uint64_t left = all - std::min(all, table_.pinnedBytes());
         cloud = table_.add(std::move(file), std::min({mostPinned, table_.limit() / 16, left}));
+        if (cloud->isRemote) startRemoteThreads();
     }
     std::vector<BlockRequest> pins;
-    for (std::uint32_t node = 0; node < cloud->slots.size() && cloud->slots[node].pinned; ++node)
+    std::uint64_t ahead = 0;
+    for (std::uint32_t node = 0; node < cloud->slots.size() && cloud->slots[node].pinned; ++node) {
+        ahead += BlockTable::bytesOf(*cloud, node);
+        if (cloud->isRemote && ahead > mostFetchedAhead) break;
         pins.push_back({node, -double(node)});
+    }
     auto store = std::make_shared<ResidentStore>(shared_from_this(), cloud);
     store->request(pinsRequester, std::move(pins));
     return store;
@@ -158,7 +177,7 @@ std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
 
 void Cache::remove(CachedCloud& cloud) {
     const Lock lock(monitor_);
-    requests_.forget(cloud.id);
+    requestsOf(laneOf(cloud)).forget(cloud.id);
     table_.remove(cloud);
 }
 
@@ -182,7 +201,7 @@ std::vector<std::optional<SampleRun>> Cache::findAll(CachedCloud& cloud,
 
 bool Cache::damaged(CachedCloud& cloud, std::uint32_t node) {
     const Lock lock(monitor_);
-    return table_.state(cloud, node, now()) == BlockState::Damaged;
+    return table_.state(cloud, node, now()) == BlockState::Damaged && !table_.isAway(cloud, node);
 }
 
 void Cache::request(CachedCloud& cloud, std::uint64_t requester, std::vector<BlockRequest> requests) {
@@ -192,7 +211,7 @@ void Cache::request(CachedCloud& cloud, std::uint64_t requester, std::vector<Blo
         return request.node >= cloud.slots.size() ||
                table_.state(cloud, request.node, time) != BlockState::Absent;
     });
-    requests_.set(cloud.id, requester, std::move(requests));
+    requestsOf(laneOf(cloud)).set(cloud.id, requester, std::move(requests));
 }
 
 // ---- waiting
@@ -272,32 +291,42 @@ void Cache::answer(const CachedCloud& cloud, std::uint32_t node, const Loaded& r
 // ---- loader threads
 // -------------------------------------------------------------------------------------------
 
-void Cache::loadLoop() {
+// With the lock held: once, for as long as the cache lives. Fewer than were wanted will do.
+void Cache::startRemoteThreads() {
+    if (std::exchange(hasRemoteThreads_, true)) return;
+    std::ignore = guarded("Starting a thread", [&] {
+        for (int i = 0; i < std::max(1, options_.remoteThreads); ++i)
+            threads_.emplace_back([this] { loadLoop(Lane::Remote); });
+    });
+}
+
+void Cache::loadLoop(Lane lane) {
     Lock lock(monitor_);
     while (true) {
-        monitor_.wait(lock, [this] { return loadIsDue(); });
+        monitor_.wait(lock, [&] { return loadIsDue(lane); });
         if (stopping_) return;
         // One for somebody who waits, one for those who make do with ancestors meanwhile.
-        serveDemand(lock);
-        if (!stopping_) std::ignore = guarded("Loading a block", [&] { serveRequest(lock); });
+        serveDemand(lane, lock);
+        if (!stopping_) std::ignore = guarded("Loading a block", [&] { serveRequest(lane, lock); });
     }
 }
 
-bool Cache::anyDemandHasWork() const {
-    return std::any_of(demands_.begin(), demands_.end(), [](const Demand* d) { return d->hasWork(); });
+bool Cache::anyDemandHasWork(Lane lane) const {
+    return std::ranges::any_of(demands_,
+                               [&](const Demand* d) { return laneOf(d->cloud()) == lane && d->hasWork(); });
 }
 
-void Cache::serveDemand(Lock& lock) {
+void Cache::serveDemand(Lane lane, Lock& lock) {
     for (std::size_t i = 0; i < demands_.size(); ++i) {
         Demand* demand = demands_[++turn_ % demands_.size()];
-        if (demand->hasWork()) return work(*demand, lock);
+        if (laneOf(demand->cloud()) == lane && demand->hasWork()) return work(*demand, lock);
     }
 }
 
 // Where there is no memory even to begin, a request is dropped, like one that there is no room for: whoever
 // still has it asks again with the next picture.
-void Cache::serveRequest(Lock& lock) {
-    while (const auto next = requests_.next()) {
+void Cache::serveRequest(Lane lane, Lock& lock) {
+    while (const auto next = requestsOf(lane).next()) {
         auto cloud = table_.find(next->cloud);
         if (!cloud || table_.state(*cloud, next->node, now()) != BlockState::Absent) continue;
         auto room = table_.beginLoad(*cloud, next->node, false, now());
@@ -320,7 +349,7 @@ void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::sh
     if (result) {
         ++loaded_;
     } else {
-        ++damaged_;
+        if (result.error().code != ErrorCode::Unavailable) ++damaged_;
         bool tell = false;
         std::ignore = guarded("Remembering a block",
                               [&] { tell = table_.failLoad(*cloud, node, result.error(), now()); });
@@ -370,7 +399,8 @@ void Cache::stop() {
 
 BlockCacheStats Cache::stats() const {
     const Monitor::Look look(monitor_);
-    return {table_.limit(), table_.bytes(), loaded_, table_.evicted(), damaged_, requests_.size()};
+    return {table_.limit(),   table_.bytes(), loaded_,
+            table_.evicted(), damaged_,       requests_.size() + remoteRequests_.size()};
 }
 
 }  // namespace

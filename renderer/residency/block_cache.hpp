@@ -17,7 +17,10 @@ namespace scancast {
 
 struct BlockCacheOptions {
     std::uint64_t memoryLimit = 0;  ///< bytes, of everything: blocks, nodes, what reserve() was told
-    int threads = 2;
+    int threads = 2;                ///< that read files of this machine
+    /// That read files which come over a network, where there are any. They wait, mostly: what they wait for at once is what
+    /// arrives within the network's latency.
+    int remoteThreads = 24;
     /// A block that a picture used so recently makes room only for what somebody waits for: two views that do
     /// not fit together then stay coarse instead of driving each other out.
     std::chrono::milliseconds grace{250};

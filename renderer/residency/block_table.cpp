@@ -9,6 +9,7 @@ std::shared_ptr<BlockTable::CloudBlocks> BlockTable::add(std::shared_ptr<const C
     auto cloud = std::make_shared<CloudBlocks>();
     cloud->id = ++lastId_;
     cloud->file = std::move(file);
+    cloud->isRemote = cloud->file->isRemote();
     const auto planes = cloud->file->planes();
     const auto find = [&](const ValuePlane& plane) -> std::optional<std::size_t> {
         const auto at = std::ranges::find(planes, plane);
@@ -66,11 +67,19 @@ BlockState BlockTable::state(CloudBlocks& cloud, std::uint32_t node, Time now) {
     Slot& slot = cloud.slots[node];
     if (slot.state == BlockState::Damaged) {
         const Damage& damage = cloud.damage.at(node);
-        const bool mayPass =
-            damage.error.code == ErrorCode::Io || damage.error.code == ErrorCode::ResourceLimit;
-        if (mayPass && now >= damage.at + retryAfter) slot.state = BlockState::Absent;
+        const ErrorCode code = damage.error.code;
+        const bool isAwayNow = code == ErrorCode::Unavailable;
+        const bool mayPass = isAwayNow || code == ErrorCode::Io || code == ErrorCode::ResourceLimit;
+        if (mayPass && now >= damage.at + (isAwayNow ? askAgain : retryAfter))
+            slot.state = BlockState::Absent;
     }
     return slot.state;
+}
+
+bool BlockTable::isAway(const CloudBlocks& cloud, std::uint32_t node) const {
+    const auto at = cloud.damage.find(node);
+    return cloud.slots[node].state == BlockState::Damaged && at != cloud.damage.end() &&
+           at->second.error.code == ErrorCode::Unavailable;
 }
 
 bool BlockTable::evictOne(bool must, Time now) {
@@ -124,7 +133,9 @@ bool BlockTable::failLoad(CloudBlocks& cloud, std::uint32_t node, Error error, T
     cloud.slots[node].state = BlockState::Absent;  // and stays so where its damage cannot be remembered
     const auto [at, isNews] = cloud.damage.try_emplace(node, Damage{{}, now, now});
     Damage& damage = at->second;
-    const bool tell = isNews || now >= damage.toldAt + toldAgain;
+    const bool isAwayNow = error.code == ErrorCode::Unavailable;
+    const bool wasAway = !isNews && damage.error.code == ErrorCode::Unavailable;
+    const bool tell = !isAwayNow && (isNews || wasAway || now >= damage.toldAt + toldAgain);
     damage = {std::move(error), now, tell ? now : damage.toldAt};
     cloud.slots[node].state = BlockState::Damaged;
     return tell;

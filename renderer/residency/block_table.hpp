@@ -71,6 +71,7 @@ class BlockTable {
         std::unordered_map<std::uint32_t, Damage> damage;
         std::atomic<std::uint64_t> bytes{0};  // resident blocks
         bool removed = false;
+        bool isRemote = false;
 
         bool hasBeside() const { return curvaturePlane || nearInfraredPlane; }
     };
@@ -88,12 +89,14 @@ class BlockTable {
     /// The block, if it is here; it and its ancestors count as used.
     std::shared_ptr<const Block> use(CloudBlocks& cloud, std::uint32_t node, Time now);
     BlockState state(CloudBlocks& cloud, std::uint32_t node, Time now);
+    /// It could not be read, and only for now: what it comes from cannot be reached.
+    bool isAway(const CloudBlocks& cloud, std::uint32_t node) const;
 
     /// Room for a node's samples, which is Loading from then on. nullptr when there is none without what was
     /// used within the grace time; with `must` there always is.
     std::shared_ptr<Block> beginLoad(CloudBlocks& cloud, std::uint32_t node, bool must, Time now);
     void finishLoad(CloudBlocks& cloud, std::uint32_t node, std::shared_ptr<const Block> block, Time now);
-    /// Whether somebody should be told: the first time, and where it is tried again, once an hour.
+    /// Whether somebody should be told: the first time, and where it is tried again, once an hour; never of what is away.
     bool failLoad(CloudBlocks& cloud, std::uint32_t node, Error error, Time now);
     // An exception in these three leaves everything as it was; in failLoad() the node is Absent.
 
@@ -115,6 +118,7 @@ class BlockTable {
   private:
     static constexpr std::uint64_t blockOverhead = 128;
     static constexpr Time retryAfter = 5000;  // what the operating system refused may work later
+    static constexpr Time askAgain = 500;     // what is away fails at once as long as it is
     static constexpr Time toldAgain = 60 * 60 * 1000;
 
     bool evictOne(bool must, Time now);

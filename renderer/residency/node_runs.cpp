@@ -49,6 +49,11 @@ Expected<void> NodeRuns::load(std::span<const std::uint32_t> nodes, const std::s
             known.run = std::move(*loaded[i]);
         } else if (loaded[i].error().code == ErrorCode::Cancelled) {
             return tl::unexpected(std::move(loaded[i].error()));
+        } else if (loaded[i].error().code == ErrorCode::Unavailable) {
+            // Clients are told; where the cloud comes from is for who runs the server.
+            return fail(
+                ErrorCode::Unavailable,
+                "Points of this cloud cannot be fetched at present from where it is kept; try again later.");
         } else {
             known.damaged = true;
         }

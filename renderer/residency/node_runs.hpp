@@ -26,7 +26,7 @@ class NodeRuns {
     const SampleRun& run(std::uint32_t node) const { return *found_[places_[node]].run; }
     /// It was tried, here or by somebody else, and its block cannot be read.
     bool damaged(std::uint32_t node) const;
-    /// Loads those that are not here. Cancelled is the only error that stays one; others mark the node.
+    /// Loads those that are not here. Cancelled and Unavailable stay errors; others mark the node.
     Expected<void> load(std::span<const std::uint32_t> nodes, const std::stop_token& stop);
 
   private:

@@ -30,7 +30,8 @@ struct ProvideOptions {
 /// Every leaf below a wanted node is covered by one whole run, as in any cut: whole runs without samples are
 /// replaced by the nearest ancestor that has some, whole, which also takes the place of everything else below
 /// it; parts of runs, which another covers, are left out. So is a node none of whose ancestors has samples.
-/// The cut keeps its samples in memory as long as it lives. Errors: Cancelled.
+/// The cut keeps its samples in memory as long as it lives. Errors: Cancelled; with wait, Unavailable where blocks
+/// cannot be had at present, and later can.
 Expected<Cut> provide(const Octree& octree, Cut wanted, const ProvideOptions& options = {},
                       std::stop_token stop = {});
 

@@ -273,6 +273,34 @@ struct Metrics::Families {
                                            .Help("Cloud files removed from --cache-dir to make room")
                                            .Register(registry)
                                            .Add({});
+    prometheus::Counter& remoteRequests = prometheus::BuildCounter()
+                                              .Name("scancast_remote_requests_total")
+                                              .Help("Requests to object storage, tries included")
+                                              .Register(registry)
+                                              .Add({});
+    prometheus::Counter& remoteRetries = prometheus::BuildCounter()
+                                             .Name("scancast_remote_retries_total")
+                                             .Help("Of these, those that were made again")
+                                             .Register(registry)
+                                             .Add({});
+    prometheus::Counter& remoteBytes = prometheus::BuildCounter()
+                                           .Name("scancast_remote_bytes_total")
+                                           .Help("Bytes of clouds fetched from object storage")
+                                           .Register(registry)
+                                           .Add({});
+    prometheus::Family<prometheus::Counter>& remotePieces =
+        prometheus::BuildCounter()
+            .Name("scancast_remote_pieces_total")
+            .Help("Pieces of clouds in object storage that were wanted, by where they were found")
+            .Register(registry);
+    prometheus::Counter& piecesInMemory = remotePieces.Add({{"found", "memory"}});
+    prometheus::Counter& piecesOnDisk = remotePieces.Add({{"found", "disk"}});
+    prometheus::Counter& piecesFetched = remotePieces.Add({{"found", "nowhere"}});
+    prometheus::Gauge& remoteAway = prometheus::BuildGauge()
+                                        .Name("scancast_remote_clouds_away")
+                                        .Help("Clouds in object storage that cannot be fetched now")
+                                        .Register(registry)
+                                        .Add({});
     prometheus::Counter& blocksLoaded = prometheus::BuildCounter()
                                             .Name("scancast_blocks_loaded_total")
                                             .Help("Blocks of cloud files read into memory")
@@ -504,6 +532,21 @@ void Metrics::setResidency(const BlockCacheStats& stats) {
     raise(families_->blocksLoaded, stats.blocksLoaded);
     raise(families_->blocksEvicted, stats.blocksEvicted);
     raise(families_->blocksDamaged, stats.blocksDamaged);
+}
+
+void Metrics::setRemote(const RemoteStats& stats) {
+    const std::lock_guard lock(families_->residency);
+    const auto raise = [](prometheus::Counter& counter, std::uint64_t total) {
+        const double more = double(total) - counter.Value();
+        if (more > 0) counter.Increment(more);
+    };
+    raise(families_->remoteRequests, stats.transfers.requests);
+    raise(families_->remoteRetries, stats.transfers.retries);
+    raise(families_->remoteBytes, stats.transfers.bytes);
+    raise(families_->piecesInMemory, stats.memoryHits);
+    raise(families_->piecesOnDisk, stats.diskHits);
+    raise(families_->piecesFetched, stats.misses);
+    families_->remoteAway.Set(double(stats.away));
 }
 
 void Metrics::setKeptClouds(std::uint64_t bytes, std::uint64_t limit, std::uint64_t evicted) {

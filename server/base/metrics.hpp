@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "remote/remote_files.hpp"
 #include "renderer/residency/block_cache.hpp"
 #include "server/base/queue_lengths.hpp"
 #include "server/base/transient_memory.hpp"
@@ -102,6 +103,8 @@ class Metrics {
     void setResidency(const BlockCacheStats& stats);
     /// The folder in which scans are kept as cloud files: what is there, what may be, and files removed since the start.
     void setKeptClouds(std::uint64_t bytes, std::uint64_t limit, std::uint64_t evicted);
+    /// Of clouds in object storage.
+    void setRemote(const RemoteStats& stats);
     /// Of everything that is not residency, and of the process as the system sees it.
     void setMemory(const TransientMemory& memory);
     /// A connection was ended, because what it was sent was not read, or too slowly.

@@ -63,10 +63,13 @@ struct CloudWatch::Watched {
     bool isOver = false;     ///< the catalog shows something else
     FileIdentity pending{};  ///< what has its name now, and is not whole: perhaps not yet
     Clock::time_point pendingSince{};
-    FileIdentity told{};  ///< what has been refused
+    FileIdentity told{};                        ///< what has been refused
+    Clock::time_point askAgain{}, openAgain{};  ///< behind a URL: not before
+    std::uint64_t others = 0;                   ///< behind a URL: that came in its place
 
     std::string name() const {
-        return served.kept ? served.kept->filename().string() : served.place.name.filename().string();
+        if (served.kept) return served.kept->filename().string();
+        return fs::path(shownArgument(served.place.name.native())).filename().string();
     }
 };
 
@@ -185,6 +188,7 @@ void CloudWatch::lookAt(Watched& one) {
     one.isOver =
         !entry || (one.refused ? entry->state != CloudState::Failed : entry->cloud != one.cloud.lock());
     if (one.isOver) return;
+    if (one.served.remote) return lookAtRemote(one);
     auto file = [&]() -> Expected<InputFile> {
         if (one.served.kept) return InputFile::open(*one.served.kept);
         auto input = ScanInput::open(one.served.place);
@@ -200,6 +204,31 @@ void CloudWatch::lookAt(Watched& one) {
     } else if (!std::exchange(one.unfound, true) && !one.refused) {
         note(fmt::format("{}: {}; what was opened of it is served on.", one.served.id, file.error().message));
     }
+}
+
+// An object is replaced as a whole: what was read of the old one goes on being drawn until the new one is open.
+void CloudWatch::lookAtRemote(Watched& one) {
+    const auto now = Clock::now();
+    if (!one.served.remote->changed()) {
+        if (now < one.askAgain) return;
+        one.askAgain = now + options_.remoteInterval;
+        return one.served.remote->look();
+    }
+    if (!options_.remote || now < one.openAgain) return;
+    one.openAgain = now + 2 * options_.interval;
+    auto opened = openRemoteCloud(*options_.remote, one.served.place.name.native());
+    if (!opened) {
+        if (!std::exchange(one.unfound, true))
+            note(fmt::format("{}: {}; what was fetched of it before is shown.", one.served.id,
+                             opened.error().message));
+        return;
+    }
+    one.unfound = false;
+    FileIdentity identity = one.served.identity;
+    identity.inode = ++one.others;  // never the same blocks: those of before cannot be read any more
+    const std::shared_ptr<const CloudFile> before = one.served.file;
+    serveAgain(one, identity, std::move(opened->file));
+    if (one.served.file != before) one.served.remote = std::move(opened->object);
 }
 
 void CloudWatch::changed(Watched& one, InputFile file) {

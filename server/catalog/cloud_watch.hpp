@@ -4,7 +4,7 @@
 // begun; one that was changed in place and is whole, too; new facts of the same blocks (`look --set`) cost no
 // block. One that is not whole when it has stopped changing is refused: what was opened before goes on where
 // it still can be read, and ends where it was overwritten. A damaged file that a scan is kept in is built anew,
-// once.
+// once. What is behind a URL is asked for less often - reading it tells, too -, and served anew when it is another.
 //
 // No picture is ever mixed of two files: the index in memory has the checksum of every block, and a block of
 // another file is one that cannot be read.
@@ -24,6 +24,7 @@
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/import/scan_input.hpp"
 #include "renderer/residency/block_cache.hpp"
+#include "server/base/remote_cloud.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/catalog/damage_reports.hpp"
 #include "threads/monitor.hpp"
@@ -37,6 +38,7 @@ struct WatchedFile {
     std::optional<std::filesystem::path> kept{};  ///< the file, where that is what a scan is kept in
     FileIdentity identity{};                      ///< of the file, before it was read
     std::shared_ptr<const CloudFile> file{};
+    std::shared_ptr<RemoteFile> remote{};  ///< what it is read from, where that is no file of this machine
     bool rebuilt = false;  ///< it has been built anew in this process: it is not a second time
 };
 
@@ -44,6 +46,9 @@ struct CloudWatchOptions {
     std::chrono::milliseconds interval{2000};
     std::shared_ptr<BlockCache> cache;
     std::shared_ptr<DamageReports> damage;  ///< may be empty: then only names are looked at
+    std::shared_ptr<RemoteFiles> remote{};  ///< opens what is behind a URL again
+    /// Between questions whether something behind a URL is what it was; whatever is read of it tells, too.
+    std::chrono::milliseconds remoteInterval{60000};
     /// What happened, for the log.
     std::function<void(const std::string& note)> onNote;
     /// A file that cannot be served any more, or not in the place of the one before.
@@ -90,6 +95,7 @@ class CloudWatch {
     void takeDamage(const DamageReport& report);
     void lookAtAll();
     void lookAt(Watched& one);
+    void lookAtRemote(Watched& one);
     void changed(Watched& one, InputFile file);
     void notWhole(Watched& one, const FileIdentity& identity, const Error& error);
     void serveAgain(Watched& one, const FileIdentity& identity, std::shared_ptr<const CloudFile> file);

@@ -25,12 +25,6 @@ namespace fs = std::filesystem;
 constexpr std::string_view extension = ".scan";
 constexpr std::size_t digestDigits = 16;
 
-std::uint64_t tenthOfTheDisk(const fs::path& folder) {
-    struct statvfs disk {};
-    if (::statvfs(folder.c_str(), &disk) != 0) return std::uint64_t(32) << 30;
-    return std::uint64_t(disk.f_blocks) * disk.f_frsize / 10;
-}
-
 /// Of whoever has the file open (F_RDLCK), or removes it (F_WRLCK). A lock of the open file, not of the process: it lasts
 /// as long as any handle of it, and two servers, or two parts of one, see each other's. It is beside the flock() of who
 /// changes the file. False where somebody has the other one.
@@ -42,6 +36,12 @@ bool lockFor(int fd, short kind) {
 }
 
 }  // namespace
+
+std::uint64_t tenthOfTheDisk(const fs::path& folder) {
+    struct statvfs disk {};
+    if (::statvfs(folder.c_str(), &disk) != 0) return std::uint64_t(32) << 30;
+    return std::uint64_t(disk.f_blocks) * disk.f_frsize / 10;
+}
 
 bool isKeptName(std::string_view name) {
     if (!name.ends_with(extension)) return false;

@@ -82,6 +82,9 @@ class KeptClouds {
     std::atomic<std::uint64_t> bytes_{0}, evicted_{0};
 };
 
+/// Bytes; what is kept there where nobody says how much may be.
+std::uint64_t tenthOfTheDisk(const std::filesystem::path& folder);
+
 /// Whether that is the name of a cloud file that is kept, finished: "town-0123456789abcdef.scan".
 bool isKeptName(std::string_view name);
 

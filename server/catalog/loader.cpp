@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "files/owned_folder.hpp"
+#include "remote/remote_url.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/forwarding_source.hpp"
@@ -44,6 +45,17 @@ class StoppableSource final : public ForwardingSource {
   private:
     const std::stop_token stop_;
 };
+
+bool isRemote(const fs::path& file) {
+    return isRemoteUrl(file.native());
+}
+
+/// What a catalog's entry is called after, and messages name: of a URL nothing that is secret.
+fs::path plainName(const fs::path& file) {
+    if (!isRemote(file)) return file;
+    const auto url = RemoteUrl::parse(file.native());
+    return url ? fs::path(url->name()) : fs::path("cloud");
+}
 
 LoaderOptions stoppedBy(std::stop_token stop, LoaderOptions options) {
     options.import.stop = std::move(stop);
@@ -112,6 +124,7 @@ Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions opti
       watch_(catalog, watchOptions()) {
     std::error_code none;
     sweepOwnedFolders(fs::temp_directory_path(none));  // of servers that were killed
+    if (options_.remote) options_.remote->onChanged([this] { watch_.hurry(); });
     const Monitor::Lock lock(monitor_);
     addLocked(std::move(files));
     loading_.reserve(std::size_t(1 + std::max(1, options_.importers)));
@@ -121,6 +134,7 @@ Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions opti
 }
 
 Loader::~Loader() {
+    if (options_.remote) options_.remote->onChanged({});
     requestStop();
     for (auto& thread : threads_) thread.join();
 }
@@ -129,21 +143,29 @@ bool Loader::load(ScanInput input, std::string id) {
     const Monitor::Lock lock(monitor_);
     if (stop_.stop_requested() || waiting() >= mostAdded) return false;
     ScanPlace place = input.place();
-    for (Named& named : named_)
-        if (named.id == id) named.id.clear();  // its cloud was removed, and this is another's name now
+    disownLocked(id);
     unsorted_.push_back({std::move(place), std::move(id), std::move(input), numbers_});
     ++numbers_;
     return true;
 }
 
+/// It is another's from now on: the cloud of the file that had it was removed.
+void Loader::disownLocked(const std::string& id) {
+    for (Named& named : named_)
+        if (named.id == id) named.id.clear();
+}
+
 void Loader::addLocked(std::vector<fs::path> files) {
     Jobs jobs;
     for (auto& file : files) {
-        named_.push_back({file, catalog_.add(file.stem().string())});
+        std::string id = catalog_.add(plainName(file).stem().string());
+        disownLocked(id);
+        named_.push_back({file, std::move(id)});
         jobs.push_back({{.name = std::move(file)}, named_.back().id});
     }
     // What opens in milliseconds does not wait for what takes minutes.
-    std::stable_partition(jobs.begin(), jobs.end(), [](const Job& job) { return isCloudFileAt(job.file()); });
+    std::stable_partition(jobs.begin(), jobs.end(),
+                          [](const Job& job) { return isRemote(job.file()) || isCloudFileAt(job.file()); });
     for (Job& job : jobs) {
         job.number = numbers_++;
         unsorted_.push_back(std::move(job));
@@ -153,7 +175,7 @@ void Loader::addLocked(std::vector<fs::path> files) {
 /// Whether it waited to be loaded; it does not any more.
 bool Loader::dismissLocked(const std::string& id) {
     std::size_t dismissed = 0;
-    for (Jobs* jobs : {&unsorted_, &own_, &forImporters_})
+    for (Jobs* jobs : {&unsorted_, &own_, &forImporters_, &later_})
         dismissed += std::erase_if(*jobs, [&](const Job& job) { return job.id == id; });
     return dismissed > 0;
 }
@@ -170,7 +192,11 @@ bool Loader::removeLocked(Named& named) {
 bool Loader::tryAgainLocked(Named& named) {
     const auto entry = catalog_.find(named.id);
     if (entry && entry->state != CloudState::Failed) return false;
-    if (!entry) named.id = catalog_.add(named.file.stem().string());
+    if (!entry) {
+        std::string id = catalog_.add(plainName(named.file).stem().string());
+        disownLocked(id);
+        named.id = std::move(id);
+    }
     unsorted_.push_back({{.name = named.file}, named.id, {}, numbers_++});
     std::ignore = catalog_.tryAgain(named.id);  // a new one is Loading already
     return true;
@@ -183,7 +209,7 @@ bool Loader::leaveLocked(const std::string& id) {
     return left > 0;
 }
 
-Loader::Changes Loader::serve(std::vector<fs::path> files) {
+Loader::Changes Loader::serve(std::vector<fs::path> files, Again again) {
     watch_.hurry();
     Changes changes;
     {
@@ -198,7 +224,7 @@ Loader::Changes Loader::serve(std::vector<fs::path> files) {
             }
             files.erase(at);
             named->leaves = false;
-            changes.tried += tryAgainLocked(*named) ? 1 : 0;
+            changes.tried += again == Again::Try && tryAgainLocked(*named) ? 1 : 0;
             ++named;
         }
         changes.added = files.size();
@@ -257,10 +283,14 @@ bool Loader::step(Lane lane) {
     bool sorted = false;
     {
         Monitor::Lock lock(monitor_);
-        monitor_.wait(lock, [&] {
-            return stop_.stop_requested() || !unsorted_.empty() || nextOf(lane) != jobsOf(lane).end();
+        const auto later = nextLater();
+        monitor_.waitUntil(lock, later, [&] {
+            return stop_.stop_requested() || !unsorted_.empty() || nextOf(lane) != jobsOf(lane).end() ||
+                   nextLater() < later;
         });
         if (stop_.stop_requested()) return false;
+        takeLater();
+        if (unsorted_.empty() && nextOf(lane) == jobsOf(lane).end()) return true;
         sorted = unsorted_.empty();
         Jobs& from = sorted ? jobsOf(lane) : unsorted_;
         const auto next = sorted ? nextOf(lane) : from.begin();
@@ -293,6 +323,7 @@ void Loader::sort(Job& job) {
     const bool again = job.instead.has_value();
     const auto byImporter = contained("Looking at a file", [&]() -> Expected<bool> {
         id = job.id;
+        if (isRemote(job.file())) return false;
         if (job.opened) return needsImporter(*job.opened);
         const auto input = ScanInput::open(job.place);
         return input && needsImporter(*input);
@@ -312,10 +343,12 @@ void Loader::sort(Job& job) {
 void Loader::loadOne(Job& job) {
     const auto start = std::chrono::steady_clock::now();
     auto cloud = contained("Loading", [&] {
+        if (isRemote(job.file())) return openRemote(job);
         auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.place);
         return opened ? shownCloudOf(*opened, job) : tl::unexpected(std::move(opened.error()));
     });
     if (job.instead) return settleRebuilt(job, std::move(cloud));
+    if (!cloud && tryLater(job, cloud.error())) return;
     settle(job, std::move(cloud),
            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
@@ -347,7 +380,7 @@ void Loader::settleRebuilt(const Job& job, Result cloud) {
 }
 
 void Loader::settleFailed(const Job& job, Error error) {
-    const fs::path file = job.file();
+    const fs::path file = shownArgument(job.file().native());
     // Everybody may read the catalog: it names files, not where they are.
     std::string reason = error.message;
     for (auto at = reason.find(file.string()); file.has_parent_path() && at != std::string::npos;
@@ -365,6 +398,54 @@ Loader::Result Loader::shownCloudOf(const ScanInput& input, Job& job) {
     auto cloud = cloudOf(input, job);
     if (!cloud) return cloud;
     return withLook(std::move(*cloud));
+}
+
+Loader::Result Loader::openRemote(Job& job) {
+    if (!options_.remote)
+        return fail(ErrorCode::Unsupported,
+                    shownArgument(job.file().native()) + ": URLs are not opened here");
+    auto opened = openRemoteCloud(*options_.remote, job.file().native());
+    if (!opened) return passOn(std::move(opened));
+    WatchedFile watched{.id = job.id, .place = job.place, .file = opened->file, .remote = opened->object};
+    job.watched = watched;
+    watch_.opened(std::move(watched));
+    auto cloud = openCloud(std::move(opened->file), options_.cache);
+    if (!cloud) return cloud;
+    return withLook(std::move(*cloud));
+}
+
+/// Whether it is opened again by and by: what cannot be reached now is not gone.
+bool Loader::tryLater(Job& job, const Error& error) {
+    if (!isRemote(job.file()) || error.code != ErrorCode::Unavailable) return false;
+    if (!std::exchange(job.waitsForRemote, true))
+        note(error.message + "; it is opened as soon as that can be");
+    catalog_.setProgress(job.id, "waiting", 0, 0);
+    const Monitor::Lock lock(monitor_);
+    if (stop_.stop_requested()) return false;
+    Job again{.place = job.place, .id = job.id, .number = job.number};
+    again.due = Clock::now() + options_.remoteRetry;
+    again.waitsForRemote = true;
+    later_.push_back(std::move(again));
+    return true;
+}
+
+Loader::Clock::time_point Loader::nextLater() const {
+    auto next = Clock::time_point::max();
+    for (const Job& job : later_) next = std::min(next, job.due);
+    return next;
+}
+
+/// Those whose time has come wait in line again.
+void Loader::takeLater() {
+    const auto now = Clock::now();
+    for (auto job = later_.begin(); job != later_.end();) {
+        if (job->due > now) {
+            ++job;
+            continue;
+        }
+        own_.push_back(std::move(*job));
+        job = later_.erase(job);
+    }
 }
 
 Loader::Result Loader::openIn(Expected<InputFile> file, Job& job, bool kept) {
@@ -511,6 +592,7 @@ CloudWatchOptions Loader::watchOptions() {
     watching.interval = options_.watchInterval;
     watching.cache = options_.cache;
     watching.damage = options_.damage;
+    watching.remote = options_.remote;
     watching.onNote = [this](const std::string& text) { note(text); };
     watching.onRefused = options_.onFailed;
     watching.onDamaged = options_.onDamaged;

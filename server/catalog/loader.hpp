@@ -50,6 +50,8 @@ struct LoaderOptions {
     std::shared_ptr<KeptClouds> kept;
     std::string version;                            ///< of the program: another one builds anew
     std::shared_ptr<DamageReports> damage;          ///< of the cache's files; may be empty
+    std::shared_ptr<RemoteFiles> remote{};          ///< opens cloud files behind URLs; empty = none is
+    std::chrono::milliseconds remoteRetry{5000};    ///< before one that could not be reached is opened again
     std::chrono::milliseconds watchInterval{2000};  ///< between looks whether files have changed
     /// Called on the loader's threads.
     std::function<void(const std::string& note)> onNote;
@@ -78,10 +80,13 @@ class Loader {
     struct Changes {
         std::size_t added = 0, removed = 0, tried = 0;  ///< tried: again, because they had failed
     };
+    /// What becomes of files that have failed, or were removed by others, and are still named.
+    enum class Again : std::uint8_t { Try, Leave };
     /// From now on these files are served in place of those of the constructor, or of the last call: new ones are added,
     /// those that are not named any more are removed (what is being read first when it has been), what has failed, or was
-    /// removed by others, is tried again; and whether a file has changed is looked at at once. What load() brought stays.
-    Changes serve(std::vector<std::filesystem::path> files);
+    /// removed by others, is tried again, or left as it is; and whether a file has changed is looked at at once. What load()
+    /// brought stays.
+    Changes serve(std::vector<std::filesystem::path> files, Again again = Again::Try);
     void requestStop();
     /// Nothing is being loaded, and nothing waits; after requestStop(): nothing is being loaded.
     bool finished() const;
@@ -97,7 +102,9 @@ class Loader {
         std::uint64_t number = 0;           ///< in the order in which they came
         /// Of a cloud whose kept file is damaged: that cloud, which the new one is to take the place of.
         std::optional<std::weak_ptr<const Cloud>> instead{};
-        std::optional<WatchedFile> watched{};  ///< the cloud file that it is in, once that is open
+        std::optional<WatchedFile> watched{};         ///< the cloud file that it is in, once that is open
+        std::chrono::steady_clock::time_point due{};  ///< not before; of one that waits in later_
+        bool waitsForRemote = false;                  ///< which has been told
 
         std::filesystem::path file() const {
             return place.root.empty() ? place.name : place.root / place.name;
@@ -112,14 +119,22 @@ class Loader {
     };
     /// Those that this program reads, or those that importers do: each has threads of its own.
     enum class Lane : std::uint8_t { Own, Importers };
+    using Clock = std::chrono::steady_clock;
     Jobs& jobsOf(Lane lane) { return lane == Lane::Own ? own_ : forImporters_; }
     Jobs::iterator nextOf(Lane lane);
+    void disownLocked(const std::string& id);
     void addLocked(std::vector<std::filesystem::path> files);
     bool removeLocked(Named& named);
     bool tryAgainLocked(Named& named);
     bool dismissLocked(const std::string& id);
     bool leaveLocked(const std::string& id);
-    std::size_t waiting() const { return unsorted_.size() + own_.size() + forImporters_.size(); }
+    std::size_t waiting() const {
+        return unsorted_.size() + own_.size() + forImporters_.size() + later_.size();
+    }
+    Clock::time_point nextLater() const;
+    void takeLater();
+    bool tryLater(Job& job, const Error& error);
+    Result openRemote(Job& job);
     void run(Lane lane);
     bool step(Lane lane);
     void sort(Job& job);
@@ -153,6 +168,7 @@ class Loader {
     std::mutex room_;          // held while it is decided whether a scan fits into memory
     mutable Monitor monitor_;  // guards what follows, and requests of a stop
     Jobs unsorted_, own_, forImporters_;
+    Jobs later_;  // behind URLs that cannot be reached at present
     std::vector<Named> named_;
     std::vector<const Job*> loading_;  // room for one of each thread
     std::size_t sorting_ = 0;

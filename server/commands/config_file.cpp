@@ -9,6 +9,7 @@
 #include "files/input_file.hpp"
 #include "protocol/json_text.hpp"
 #include "protocol/nearest_name.hpp"
+#include "remote/remote_url.hpp"
 
 namespace scancast {
 namespace {
@@ -149,7 +150,7 @@ json effectiveConfig(const CLI::App& app) {
             value = valueOf(texts.front());
             continue;
         }
-        for (const std::string& text : texts) value.push_back(valueOf(text));
+        for (const std::string& text : texts) value.push_back(valueOf(shownArgument(text)));
     }
     return config;
 }

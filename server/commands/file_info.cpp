@@ -55,14 +55,9 @@ std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink&
     return damaged;
 }
 
-Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressSink& progress) {
-    auto shared = input.file().share();
-    if (!shared) return passOn(shared);
-    const auto opened = CloudFile::open(std::move(*shared));
-    if (!opened) return passOn(opened);
-    const CloudFile& file = **opened;
+FileInfo cloudInfo(const CloudFile& file, bool check, const ProgressSink& progress) {
     FileInfo info;
-    info.file = input.path();
+    info.file = file.path();
     info.bytes = file.bytes();
     info.facts = file.facts();
     info.points = file.facts().points;
@@ -72,6 +67,16 @@ Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressS
     if (const auto& grid = file.facts().grid) info.gridStep = grid->step;
     if (check) info.damaged = checkBlocks(file, progress);
     info.checked = check;
+    return info;
+}
+
+Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressSink& progress) {
+    auto shared = input.file().share();
+    if (!shared) return passOn(shared);
+    const auto opened = CloudFile::open(std::move(*shared));
+    if (!opened) return passOn(opened);
+    FileInfo info = cloudInfo(**opened, check, progress);
+    info.file = input.path();
     return info;
 }
 
@@ -172,6 +177,13 @@ Expected<FileInfo> fileInfo(const fs::path& file, bool check, const ProgressSink
     if (!input) return passOn(input);
     return looksLikeCloudFile(input->file()) ? cloudInfo(*input, check, progress)
                                              : scanInfo(*input, check, progress);
+}
+
+Expected<FileInfo> remoteInfo(RemoteFiles& remote, const std::string& url, bool check,
+                              const ProgressSink& progress) {
+    const auto opened = openRemoteCloud(remote, url);
+    if (!opened) return passOn(opened);
+    return cloudInfo(*opened->file, check, progress);
 }
 
 }  // namespace scancast

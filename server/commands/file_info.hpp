@@ -10,6 +10,7 @@
 
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/progress.hpp"
+#include "server/base/remote_cloud.hpp"
 
 namespace scancast {
 
@@ -48,5 +49,9 @@ struct FileInfo {
 /// is read and verified, and a scan is read through. Errors: those of CloudFile::open(), openScan() and
 /// PointSource::read(); a damaged block is none.
 Expected<FileInfo> fileInfo(const std::filesystem::path& file, bool check, const ProgressSink& progress = {});
+
+/// The same of a cloud file behind a URL. Errors: those of openRemoteCloud().
+Expected<FileInfo> remoteInfo(RemoteFiles& remote, const std::string& url, bool check,
+                              const ProgressSink& progress = {});
 
 }  // namespace scancast

@@ -24,17 +24,19 @@ struct InfoArguments {
 /// Every file is told of, whatever the others are like. False when one of them cannot be read or is damaged.
 bool runInfo(const InfoArguments& arguments) {
     bool sound = true;
+    RemoteFiles remote{RemoteOptions()};
     Json all{{"files", Json::array()}};
     ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     const auto failed = [&](const std::string& file, const Error& error) {
         sound = false;
         tell("scancast info: {}\n", error.message);
         if (arguments.json)
-            all["files"].push_back(
-                Json{{"file", file}, {"error", {{"code", name(error.code)}, {"message", error.message}}}});
+            all["files"].push_back(Json{{"file", shownArgument(file)},
+                                        {"error", {{"code", name(error.code)}, {"message", error.message}}}});
     };
     const auto describe = [&](const std::string& file) {
-        const auto info = fileInfo(file, arguments.check, bar.sink());
+        const auto info = isRemoteUrl(file) ? remoteInfo(remote, file, arguments.check, bar.sink())
+                                            : fileInfo(file, arguments.check, bar.sink());
         bar.clear();
         if (!info) return failed(file, info.error());
         sound = sound && info->damaged.empty();
@@ -43,7 +45,7 @@ bool runInfo(const InfoArguments& arguments) {
         else
             sound = bool(print(infoText(*info))) && sound;
     };
-    FoundScans found;
+    FoundScans found({.urls = true});
     for (const std::string& argument : arguments.files) {
         const std::size_t before = found.files().size();
         if (auto ok = found.add(argument); !ok) failed(argument, ok.error());
@@ -67,8 +69,11 @@ void addInfo(CLI::App& app, int& exitCode) {
         "  scancast info town.scan\n"
         "  scancast info --check *.scan          # read every block and verify its checksum\n"
         "  scancast info flight/                 # every scan in the folder, and beneath it\n"
+        "  scancast info s3://scans/town.scan    # a cloud file in object storage; https:// as well\n"
         "  scancast info --json flight.laz       # docs/info.md describes the object");
-    command->add_option("files", arguments->files, "Cloud files, scans, folders of them, or patterns")
+    command
+        ->add_option("files", arguments->files,
+                     "Cloud files (also behind a URL), scans, folders of them, or patterns")
         ->type_name("FILE")
         ->required();
     command->add_flag("--json", arguments->json, "Print one JSON object instead of text");

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "protocol/text/plain_text.hpp"
+#include "remote/remote_url.hpp"
 #include "renderer/cloud/file/change_facts.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "server/commands/command.hpp"
@@ -27,6 +28,9 @@ std::string labelText(const CloudFacts& facts) {
 }
 
 Expected<void> runLabel(const LabelArguments& arguments) {
+    if (isRemoteUrl(arguments.file))
+        return fail(ErrorCode::InvalidArgument,
+                    shownArgument(arguments.file) + ": this reads and changes files; download a copy of it.");
     if (arguments.changes()) {
         auto changed = changeFacts(arguments.file, [&](CloudFacts& facts) -> Expected<void> {
             if (arguments.title) facts.title = *arguments.title;

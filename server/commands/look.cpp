@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/text/plain_text.hpp"
+#include "remote/remote_url.hpp"
 #include "renderer/look/decide_look.hpp"
 #include "renderer/look/keep_look.hpp"
 #include "server/commands/command.hpp"
@@ -24,6 +25,10 @@ struct LookArguments {
 
 Expected<void> runLook(const LookArguments& arguments) {
     const bool keeps = arguments.decide || !arguments.set.empty();
+    if (keeps && isRemoteUrl(arguments.files.front()))
+        return fail(ErrorCode::InvalidArgument,
+                    shownArgument(arguments.files.front()) +
+                        ": a look is kept in the file itself; change a copy of it, and upload that.");
     if (keeps && arguments.files.size() > 1)
         return fail(ErrorCode::InvalidArgument, "a look is kept in one cloud file; name one.");
     // What is wrong with it is said before a scan is read.

@@ -9,6 +9,7 @@
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/byte_size.hpp"
+#include "server/base/remote_cloud.hpp"
 #include "server/catalog/damage_reports.hpp"
 #include "server/commands/importer_flags.hpp"
 #include "server/commands/scans/found_scans.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const OpenOptions& options) {
+Expected<std::shared_ptr<BlockCache>> blockCache(const OpenOptions& options) {
     BlockCacheOptions cache;
     cache.memoryLimit = machineMemory() / 2;
     if (!options.memoryLimit.empty()) {
@@ -32,9 +33,25 @@ Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const Op
     cache.onDamaged = [](const std::shared_ptr<const CloudFile>& file, const Error& error) {
         tell("{}; coarser points are shown in its place\n", damageText(*file, error));
     };
+    return BlockCache::create(cache);
+}
+
+Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const OpenOptions& options) {
+    const auto cache = blockCache(options);
+    if (!cache) return passOn(cache);
     auto file = input.file().share();
     if (!file) return passOn(file);
-    return openCloud(std::move(*file), BlockCache::create(cache));
+    return openCloud(std::move(*file), *cache);
+}
+
+Expected<std::shared_ptr<const Cloud>> openUrl(const std::string& url, const OpenOptions& options) {
+    const auto cache = blockCache(options);
+    if (!cache) return passOn(cache);
+    RemoteFiles remote{
+        {.onNote = [](const std::string& note) { tell("{}\n", note); }, .stopsWithOwner = false}};
+    auto opened = openRemoteCloud(remote, url);
+    if (!opened) return passOn(std::move(opened));
+    return openCloud(std::move(opened->file), *cache);
 }
 
 /// What a cloud of these arguments is called: the first one's name, whether that is a file or a folder.
@@ -48,6 +65,10 @@ Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>&
                                                  const ImportOptions& import, std::vector<Mirror>& mirrors) {
     std::vector<std::unique_ptr<PointSource>> sources;
     for (const std::string& file : files) {
+        if (isRemoteUrl(file))
+            return fail(
+                ErrorCode::InvalidArgument,
+                shownArgument(file) + " is one of several: only scans are put together; name it alone");
         const auto input = ScanInput::open(file);
         if (!input) return passOn(input);
         if (files.size() > 1 && isCloudFile(input->file()))
@@ -69,12 +90,13 @@ Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>&
 
 Expected<std::shared_ptr<const Cloud>> openAny(const std::vector<std::string>& arguments,
                                                const OpenOptions& options) {
-    const auto found = findScans(arguments);
+    const auto found = findScans(arguments, {.urls = true});
     if (!found) return passOn(found);
     tellLeftOut(*found, options.verbose);
     const std::vector<std::string>& files = found->files();
     auto crs = assumedCrs(options.assumeCrs);
     if (!crs) return passOn(crs);
+    if (files.size() == 1 && isRemoteUrl(files.front())) return openUrl(files.front(), options);
     if (files.size() == 1) {
         const auto input = ScanInput::open(files.front());
         if (!input) return passOn(input);

@@ -220,6 +220,7 @@ void addRender(CLI::App& app, int& exitCode) {
         "  scancast render church.las -o evening.png --shading phong --light sun=250,20 --light shadow=0.8 "
         "--light occlusion=0.5\n"
         "  scancast render 'flight/*.laz' -o flight.jpg\n"
+        "  scancast render s3://scans/town.scan -o town.jpg\n"
         "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
     auto arguments = std::make_shared<RenderArguments>();
     arguments->render.depth = false;  // of what it writes, no format shows it

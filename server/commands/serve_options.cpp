@@ -9,6 +9,7 @@
 
 #include "files/input_file.hpp"
 #include "files/machine.hpp"
+#include "remote/remote_url.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/commands/scans/found_scans.hpp"
 #include "server/net/clients/open_files.hpp"
@@ -52,6 +53,19 @@ Expected<AccessTokens> accessTokens(const ServeOptions& options) {
                 admin.name, same->name),
             "admin-token-file");
     }
+    // Who knows what signs sessions could sign one for anybody; and a token goes over the line, a key never does.
+    for (const NamedToken& key : tokens.sessionKeys)
+        for (const auto& [flag, others] :
+             {std::pair("auth-token-file", &tokens.users), std::pair("admin-token-file", &tokens.admins),
+              std::pair("guest-key-file", &tokens.guestKeys)}) {
+            const auto same = std::ranges::find(*others, key.token, &NamedToken::token);
+            if (same == others->end()) continue;
+            return fail(ErrorCode::InvalidArgument,
+                        fmt::format("--session-key-file: \"{}\" is the same secret as \"{}\" in --{}; make "
+                                    "another one: scancast token NAME.",
+                                    key.name, same->name, flag),
+                        "session-key-file");
+        }
     return tokens;
 }
 
@@ -59,7 +73,7 @@ Expected<void> findFiles(ServeOptions& options) {
     std::vector<std::string> named = options.named;
     if (named.empty())
         for (const std::filesystem::path& file : options.files) named.push_back(file.string());
-    const auto found = findScans(named);
+    const auto found = findScans(named, {.urls = true});
     if (!found) return passOn(found);
     if (!found->leftOut().empty()) spdlog::info("{}", found->leftOutText());
     for (const std::string& one : found->leftOut()) spdlog::debug("no scan: {}", one);
@@ -70,8 +84,9 @@ Expected<void> findFiles(ServeOptions& options) {
 
 void addServeFlags(CLI::App& app, ServeOptions& options) {
     app.add_option("FILE", options.files,
-                   "What to serve: cloud files (made by scancast ingest), scans, folders of them, or "
-                   "patterns such as 'flight/*.laz'. Each file becomes a cloud")
+                   "What to serve: cloud files (made by scancast ingest), also from object storage "
+                   "(https://..., s3://BUCKET/KEY), scans, folders of them, or patterns such as "
+                   "'flight/*.laz'. Each becomes a cloud")
         ->type_name("");
     app.add_option("--live", options.live,
                    "A cloud that changes over time: frames as point streams, one after another, from "
@@ -145,8 +160,8 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "GPU memory for points, such as 8G. Default: three quarters of what is free")
         ->type_name("SIZE");
     flag("--cache-dir", options.cacheDir, "SCANCAST_CACHE_DIR",
-         "Folder in which to keep scans as cloud files, and compiled GPU programs, so that the next start "
-         "need not wait for them")
+         "Folder in which to keep scans as cloud files, compiled GPU programs, and what has been fetched of "
+         "clouds in object storage, so that the next start need not wait for them")
         ->type_name("FOLDER");
     flag("--cache-size", options.cacheSize, "SCANCAST_CACHE_SIZE",
          "The most space that --cache-dir may take, such as 20G; the least recently used cloud files make "
@@ -267,6 +282,15 @@ Expected<std::uint64_t> cacheSize(const ServeOptions& options) {
         return fail(ErrorCode::InvalidArgument,
                     "--cache-size: nothing could be kept; leave out --cache-dir instead.", "cache-size");
     return size;
+}
+
+CacheShares cacheShares(const ServeOptions& options) {
+    const std::uint64_t asked = cacheSize(options).value_or(0);
+    const bool isRemote =
+        std::ranges::any_of(options.files, [](const auto& file) { return isRemoteUrl(file.native()); });
+    if (options.cacheDir.empty() || !isRemote) return {asked, 0};
+    const std::uint64_t all = asked > 0 ? asked : tenthOfTheDisk(options.cacheDir);
+    return {all - all / 2, all / 2};
 }
 
 Expected<Rates> rates(const ServeOptions& options) {

@@ -64,6 +64,15 @@ Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options);
 /// --cache-size, bytes; 0 when it was not given. InvalidArgument when it is no size, or there is no --cache-dir.
 Expected<std::uint64_t> cacheSize(const ServeOptions& options);
 
+/// How --cache-size, or a tenth of the disk, is shared: half of it is for pieces of clouds behind URLs, where one is named at the
+/// start.
+struct CacheShares {
+    std::uint64_t scans = 0;   ///< cloud files that scans are kept in; 0 = the usual part of the disk
+    std::uint64_t pieces = 0;  ///< 0 = none are kept
+};
+/// Of options that check() has found sound.
+CacheShares cacheShares(const ServeOptions& options);
+
 /// What --rates holds, or the shipped ones; an error names the file.
 Expected<Rates> rates(const ServeOptions& options);
 
@@ -85,7 +94,8 @@ Expected<std::size_t> maxConnections(const ServeOptions& options);
 /// --admin-listen; empty when it was not given. InvalidArgument when it is none.
 Expected<std::optional<ListenAddress>> adminListen(const ServeOptions& options);
 
-/// What --auth-token-file, --admin-token-file, --guest-key-file and --session-key-file hold; an error names the flag, and never a token.
+/// What --auth-token-file, --admin-token-file, --guest-key-file and --session-key-file hold; an error names the flag, and never a token. InvalidArgument, too,
+/// where one secret is good for two things that it must not be.
 Expected<AccessTokens> accessTokens(const ServeOptions& options);
 
 /// "localhost", 127.x.x.x, "::1".

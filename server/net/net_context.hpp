@@ -34,8 +34,9 @@ struct NetLimits {
     std::uint64_t maxPixels = 64'000'000;      ///< of a picture
     std::uint32_t maxHeaderBytes = 16 * 1024;  ///< of a request
     std::uint64_t maxBodyBytes = 64 * 1024;    ///< of a request that brings JSON
-    std::size_t maxHelloBytes = 4 * 1024;      ///< of a stream's messages before its hello is accepted
-    std::size_t maxQueuedTexts = 64;           ///< that a stream's client does not read; beyond, 1008
+    std::size_t maxHelloBytes =
+        32 * 1024;  ///< of a stream's messages before its hello is accepted; it may bring a whole view
+    std::size_t maxQueuedTexts = 64;  ///< that a stream's client does not read; beyond, 1008
     std::chrono::milliseconds requestTimeout{
         15000};            ///< for a whole request head, and for the pause between two
     ReadRate leastRate{};  ///< at which a client must read what it is sent

@@ -25,10 +25,10 @@ std::vector<std::string> ownKey() {
 
 }  // namespace
 
-ResumeStore::ResumeStore(ResumeOptions options) : options_(std::move(options)), keys_(ownKey()) {}
+ResumeStore::ResumeStore(ResumeOptions options) : options_(std::move(options)), own_(ownKey()), keys_(own_) {}
 
 void ResumeStore::setKeys(std::vector<std::string> keys) {
-    if (keys.empty()) keys = ownKey();
+    if (keys.empty()) keys = own_;
     const std::lock_guard lock(mutex_);
     keys_ = std::move(keys);
 }
@@ -48,8 +48,9 @@ std::optional<ResumeStore::Ticket> ResumeStore::open(Opening opening) {
     const std::lock_guard lock(mutex_);
     if (keys_.empty()) return std::nullopt;
     std::string text = signedToken(token, keys_.front());
-    entries_[++lastKey_] = {std::move(opening.session), text, token.turn, std::move(opening.onTaken), {}, {}};
-    return Ticket{lastKey_, std::move(text)};
+    const Key key = opening.place != 0 ? opening.place : ++lastKey_;
+    entries_[key] = {std::move(opening.session), text, token.turn, std::move(opening.onTaken), {}, {}};
+    return Ticket{key, std::move(text)};
 }
 
 void ResumeStore::keep(Key key, SavedSession session) {
@@ -89,7 +90,7 @@ std::optional<ResumedSession> ResumeStore::resume(std::string_view token, std::s
     if (!claimed) return std::nullopt;
     const SessionToken& claim = claimed->token;
     if (claim.owner != ownerDigest(owner) || unixTime() >= claim.expires) return std::nullopt;
-    ResumedSession resumed{claim.session, claim.turn, {}};
+    ResumedSession resumed{claim.session, claim.turn, {}, 0};
     std::vector<std::function<void()>> taken;
     {
         const std::lock_guard lock(mutex_);
@@ -109,6 +110,8 @@ std::optional<ResumedSession> ResumeStore::resume(std::string_view token, std::s
             if (entry.onTaken) taken.push_back(std::move(entry.onTaken));
         }
         std::erase_if(entries_, isOfIt);
+        resumed.place = ++lastKey_;
+        entries_[resumed.place] = {claim.session, {}, claim.turn + 1, nullptr, {}, {}};
     }
     for (const auto& tell : taken) tell();
     return resumed;

@@ -38,6 +38,9 @@ struct ResumedSession {
     std::string id;          ///< of the session
     std::uint32_t turn = 0;  ///< of the token: the connection that goes on with it has the next one
     std::optional<SavedSession> saved{};  ///< empty: another server showed it, or it is too long ago
+    /// Of the connection that goes on with it: open() takes that place, forget() gives it up. From resume() on it makes the token
+    /// a replay, so of two that come with it at once one goes on.
+    std::uint64_t place = 0;
 };
 
 struct ResumeOptions {
@@ -60,12 +63,13 @@ class ResumeStore {
         std::string owner;    ///< who it belongs to, in any words: others cannot go on with it
         std::uint32_t turn = 1;
         std::function<void()> onTaken{};
+        Key place = 0;  ///< that resume() gave; 0 = a new one
     };
 
-    /// Signs with a key of its own.
+    /// Signs with a key of its own, which stays the same as long as the store is there.
     explicit ResumeStore(ResumeOptions options = {});
 
-    /// The first one signs from now on, and what any of them signed is believed; empty = one that nobody else has.
+    /// The first one signs from now on, and what any of them signed is believed; empty = that of its own.
     void setKeys(std::vector<std::string> keys);
 
     /// A session begins, or goes on under a new token. nullopt when the system has no random numbers to give.
@@ -93,8 +97,9 @@ class ResumeStore {
     std::int64_t unixTime() const;
 
     const ResumeOptions options_;
+    const std::vector<std::string> own_;  ///< empty where there were no random numbers for one
     mutable std::mutex mutex_;
-    std::vector<std::string> keys_;  ///< empty where there were no random numbers for one
+    std::vector<std::string> keys_;
     Key lastKey_ = 0;
     std::map<Key, Entry> entries_;
 };

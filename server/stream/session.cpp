@@ -132,7 +132,11 @@ std::optional<Scene> StreamSession::resume(const messages::Hello& hello, Time no
         if (scene) limits_.fps = hello.fps;
         if (scene) lastFrame_ = ackedFrame_ = hello.frame;
     }
-    if (!scene) return std::nullopt;
+    if (!scene) {
+        options_.resumable->forget(resumed->place);
+        return std::nullopt;
+    }
+    ticket_ = resumed->place;
     id_ = std::move(resumed->id);
     turn_ = resumed->turn + 1;
     return scene;
@@ -162,7 +166,8 @@ void StreamSession::begin(Scene scene, bool resumed, Time now) {
     welcome.resumed = resumed;
     welcome.seq = scene_.seq;
     if (options_.resumable) {
-        if (auto ticket = options_.resumable->open({id_, options_.owner, turn_, port_.onTaken()})) {
+        if (auto ticket = options_.resumable->open(
+                {id_, options_.owner, turn_, port_.onTaken(), ticket_.value_or(0)})) {
             ticket_ = ticket->key;
             welcome.resume = std::move(ticket->token);
         }
@@ -418,11 +423,14 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> r
         deliver(order, std::move(*result), now);
     } else {
         const bool cancelled = result.error().code == ErrorCode::Cancelled;
-        if (order.still == StillSchedule::Still::Trial && cancelled)
+        const bool isAway = order.still && result.error().code == ErrorCode::Unavailable;
+        if (isAway)
+            stills_.away(now);
+        else if (order.still == StillSchedule::Still::Trial && cancelled)
             stills_.lacked(now);
         else if (order.still && order.still != StillSchedule::Still::Final)
             stills_.failed();
-        if (!cancelled) refuse(problemOf(result.error()), order.seq);
+        if (!cancelled && !isAway) refuse(problemOf(result.error()), order.seq);
     }
     pump(now);
 }

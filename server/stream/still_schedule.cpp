@@ -45,6 +45,12 @@ void StillSchedule::lacked(Time now) {
     next_ = trialNext_ ? now + times_.retry : now;
 }
 
+void StillSchedule::away(Time now) {
+    finalWanted_ = true;
+    stillsLeft_ = 0;
+    since_ = now + times_.away - times_.quiet;
+}
+
 // What is missing in a still decides what comes next: another one, or the final one, which waits for the
 // rest.
 void StillSchedule::drawn(Still still, std::uint64_t samplesMissing, Time now) {

@@ -16,6 +16,8 @@ struct StillTimes {
     std::chrono::milliseconds quiet{150};     ///< without a new view before the first still is made
     std::chrono::milliseconds retry{50};      ///< between trials
     std::chrono::milliseconds interval{100};  ///< between stills that get sharper
+    std::chrono::milliseconds away{
+        2000};  ///< before a final one is tried again whose blocks could not be had
 };
 
 class StillSchedule {
@@ -43,6 +45,8 @@ class StillSchedule {
     void lacked(Time now);
     /// A still was drawn; `samplesMissing` from it.
     void drawn(Still still, std::uint64_t samplesMissing, Time now);
+    /// What the final one needs cannot be had at present: it is ordered again later, and what is shown stays.
+    void away(Time now);
     /// One that is not the final one could not be drawn: no second try, the final one has its own.
     void failed() { stillsLeft_ = 0; }
 

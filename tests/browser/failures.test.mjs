@@ -512,6 +512,36 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     assert.equal(await gaps(), 0);
   });
 
+  it('what the other server begins with is not shown once something newer has been', async () => {
+    await open();
+    await waitUntilSharp(page);
+    let release;
+    server.holdsHello = new Promise((done) => { release = done; });
+    server.showsAtOnce = true;
+    await page.evaluate(() => {
+      const canvas = document.getElementById('picture');
+      globalThis.shown = [];
+      new MutationObserver(() => globalThis.shown.push(Number(canvas.dataset.shown))).observe(canvas, { attributeFilter: ['data-shown'] });
+    });
+    const first = session();
+    first.drain(0);
+    await isTrue(() => hellos().length === 2, 'it comes to the other one');
+    await afterwards(() => drag(page, [300, 300], [420, 380]));
+    const before = await page.getAttribute('#picture', 'data-shown').then(Number);
+    assert.ok(before > hellos()[1].seq, 'the first one draws on');
+    await page.mouse.move(300, 300);
+    await page.mouse.down();
+    await page.mouse.move(340, 330, { steps: 4 });
+    release();
+    await isTrue(() => !server.sessions.has(first), 'it goes');
+    assert.equal(first.socket.closeCode, 1000, 'for good');
+    await page.mouse.up();
+    await waitUntilSharp(page);
+    const shown = await page.evaluate(() => globalThis.shown);
+    assert.deepEqual(shown, shown.toSorted((a, b) => a - b));
+    assert.deepEqual(session().view.camera, server.received.findLast((message) => message.camera).camera);
+  });
+
   it('as long as there is no other server, the one that leaves is not left', async () => {
     await open();
     await waitUntilSharp(page);

@@ -12,7 +12,7 @@
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
-#include "renderer/cloud/file/random_reader.hpp"
+#include "files/random_reader.hpp"
 #include "tests/support/clouds/version_one.hpp"
 
 namespace {

@@ -34,6 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (const auto resumed = store.resume(text, "anna", {})) {
         require(claimed && claimed->isSignedWith(key) && claimed->token.owner == ownerDigest("anna"));
         require(resumed->id == claimed->token.session && !resumed->saved);
+        store.forget(resumed->place);
     }
     require(store.size() == 0);
     return 0;

@@ -140,12 +140,12 @@ TEST_F(AccessTest, AllowedOriginsAreToldWhichHeadersTheyMaySend) {
 TEST_F(AccessTest, MessagesBeforeTheHelloAreShort) {
     start();
     RawWebSocket early(port(), "scancast.v1", {bearer});
-    early.text(R"({"type":"hello","cloud":")" + std::string(5000, 'a') + "\"}");
+    early.text(R"({"type":"hello","cloud":")" + std::string(33'000, 'a') + "\"}");
     EXPECT_EQ(early.receiveKind(WsMessage::Kind::Close).closeCode(), 1009);
     RawWebSocket greeted(port(), "scancast.v1", {bearer});
     greeted.text(R"({"type":"hello","width":32,"height":16})");
     EXPECT_EQ(greeted.receive().kind, WsMessage::Kind::Text);
-    greeted.text(R"({"type":"ping","id":7,"more":")" + std::string(5000, 'a') + "\"}");
+    greeted.text(R"({"type":"ping","id":7,"more":")" + std::string(33'000, 'a') + "\"}");
     std::string answer;
     while (answer.find("pong") == std::string::npos) {
         const WsMessage message = greeted.receiveKind(WsMessage::Kind::Text);

@@ -6,6 +6,7 @@ import { FrameError, parseFrame } from '../protocol/frame_header.js';
 const welcomePatienceMs = 10_000;
 const pingEveryMs = 15_000;
 const congestedBytes = 16 * 1024;
+const done = 1000; // close code: see protocol/PROTOCOL.md
 
 /** Why a connection ended, for people. */
 export function closeWords(code, reason) {
@@ -85,10 +86,10 @@ export class Connection {
     this.#send({ type: 'ack', frame });
   }
 
-  /** Ends it without a word to the handlers. */
+  /** Ends it without a word to the handlers; the server need not keep the session for anybody who comes back. */
   abandon() {
     this.#handlers = undefined;
-    this.#end('');
+    this.#end('', done);
   }
 
   #send(message) {
@@ -165,11 +166,11 @@ export class Connection {
     this.#timers.splice(0).forEach(clearTimeout);
   }
 
-  #end(words) {
+  #end(words, code = undefined) {
     if (this.#closed) return;
     this.#closed = true;
     this.#stopTimers();
-    this.#socket.close();
+    this.#socket.close(code);
     this.#handlers?.closed(words);
     this.#handlers = undefined;
   }

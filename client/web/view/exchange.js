@@ -9,6 +9,7 @@ export class Exchange {
   #canvas;
   #picture;
   #state = new ViewState();
+  #said; // { seq, camera } of the view that the newest hello says
   #asked = new Map(); // seq → { camera, stretch }, of views whose pictures may still come; stretch where they have a margin
   #onScreen; // { camera, stretch } of the picture on the canvas
   #firstWanted = 0; // frames of earlier views are not what the user asked for
@@ -66,18 +67,26 @@ export class Exchange {
   /** What is wanted, as a hello says it, which gives it that number. */
   say(seq, camera) {
     const { cloud, ...view } = this.wanted;
+    this.#said = { seq, camera };
     this.#asked.set(seq, { camera });
     return view;
   }
 
-  /** Another server goes on, of which that hello was asked; what has changed since is said to it, too. */
-  moved({ view, seq, cloud }) {
-    if (view) {
-      this.#state.said(seq, { cloud, ...view });
-      this.#canvas.dataset.asked = String(seq);
-    } else {
+  /**
+   * Another server goes on, of which that hello was asked; what is said to it next has the number `nextSeq`. It begins with what the
+   * hello said, and the one before has shown newer views meanwhile: where something else is wanted by now, all of it is said, and
+   * nothing older comes onto the canvas again.
+   */
+  moved({ view, seq, cloud }, nextSeq) {
+    if (view) this.#state.said(seq, { cloud, ...view });
+    if (!view || this.hasNews) {
       this.#state.resend();
+      this.#firstWanted = nextSeq;
+      return;
     }
+    // Frames of later numbers may have made it forgotten.
+    if (this.#said?.seq === seq) this.#asked.set(seq, { camera: this.#said.camera });
+    this.#canvas.dataset.asked = String(seq);
   }
 
   /**

@@ -105,7 +105,7 @@ export class Viewer extends EventTarget {
       moved: (message, hello) => {
         this.#picture.newStream();
         this.#picture.setLimit(message.limits?.maxPixels ?? 0);
-        this.#exchange.moved(hello);
+        this.#exchange.moved(hello, this.#session.connection.nextSeq);
         this.#wake();
       },
       frame: (frame) => this.#showFrame(frame),

@@ -35,6 +35,8 @@ class CloudFile {
 
     virtual const std::filesystem::path& path() const = 0;
     virtual std::uint64_t bytes() const = 0;  ///< size on disk
+    /// Its blocks come over a network: waiting for many is as quick as for one.
+    virtual bool isRemote() const { return false; }
     /// Their photos' data may be read for as long as anybody has them, whatever becomes of this object.
     virtual const CloudFacts& facts() const = 0;
     /// Where the bytes of facts().photos are.
@@ -42,7 +44,7 @@ class CloudFile {
     /// Program and version that wrote it: "scancast 0.1.0".
     virtual std::string_view writtenBy() const { return {}; }
     virtual std::span<const StoredNode> nodes() const = 0;
-    /// One node's samples. Errors: Malformed or Truncated, naming node and place; Io.
+    /// One node's samples. Errors: Malformed or Truncated, naming node and place; Io; Unavailable.
     virtual Expected<std::vector<Sample>> samples(std::uint32_t node) const = 0;
 
     /// What there is beside the samples: facts().columns, in their order, then facts().companions.

@@ -15,10 +15,22 @@ namespace scancast {
 
 namespace {
 
+/// How far ahead of what is read a reader is told; it keeps what it is told of.
+constexpr std::uint64_t mostExpected = 8 << 20;
+
 /// What a file says of itself, read part by part. Errors without the file's name.
 class Opening {
   public:
     explicit Opening(const RandomReader& reader) : reader_(reader) {}
+
+    /// Index, planes and facts stand side by side at the end: of a file far away they come together.
+    void expectAll(const CloudFileHeader& header) const {
+        const std::uint64_t first = std::min(header.index.offset, header.facts.offset);
+        const std::uint64_t bytes = header.index.bytes + header.planes.bytes + header.facts.bytes;
+        if (bytes <= mostExpected) return reader_.expect(first, bytes);
+        reader_.expect(header.facts.offset, std::min(header.facts.bytes, mostExpected));
+        reader_.expect(header.index.offset, std::min(header.index.bytes, mostExpected));
+    }
 
     /// Somebody may be changing the facts: the file becomes longer before its header does, so the size is asked for
     /// last, and a header that was caught in between is whole a moment later.
@@ -87,6 +99,7 @@ class Opening {
         std::vector<std::byte> space(std::min(pieceRecords * recordBytes, part.bytes));
         bool clean = true;
         for (std::uint64_t done = 0; done < part.bytes;) {
+            reader_.expect(part.offset + done, std::min(part.bytes - done, mostExpected));
             const auto piece =
                 std::span(space).first(std::min<std::uint64_t>(space.size(), part.bytes - done));
             if (auto ok = whole(part.offset + done, piece); !ok) return ok;
@@ -135,6 +148,7 @@ Expected<FileContents> readContents(const RandomReader& reader) {
     if (!header) return passOn(header);
     FileContents contents;
     contents.version = header->version;
+    opening.expectAll(*header);
     auto facts = opening.facts(*header);
     if (!facts) return passOn(facts);
     contents.facts = std::move(*facts);

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "files/random_reader.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/plane_index.hpp"
-#include "renderer/cloud/file/random_reader.hpp"
 
 namespace scancast {
 

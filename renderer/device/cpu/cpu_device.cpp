@@ -34,8 +34,12 @@ Expected<void> check(const Drawing& d) {
 
 class CpuDevice final : public Device {
   public:
-    CpuDevice(int threads, const cpu::SimdLevel& level)
-        : threads_(threads), level_(level), control_(allowThreads(threads)), arena_(threads) {}
+    CpuDevice(int threads, const cpu::SimdLevel& level, std::unique_ptr<cpu::PassReduction> reduction)
+        : threads_(threads),
+          level_(level),
+          reduction_(std::move(reduction)),
+          control_(allowThreads(threads)),
+          arena_(threads) {}
 
     DeviceInfo info() const override {
         DeviceInfo info;
@@ -57,14 +61,22 @@ class CpuDevice final : public Device {
             return fail(ErrorCode::ResourceLimit,
                         "Too many pictures are being drawn within the pauses of others.");
         }
+        Drawing own = drawing;
+        if (reduction_) {  // which makes the pauses, when all are at the same pass
+            stop = reduction_->begin(std::move(stop), drawing.pause);
+            own.pause = nullptr;
+        }
         try {
             const Within within(*this);
-            return cpu::Picture(drawing, *passes, *level_.kernels, threads_, arena_, buffers_[depth_ - 1],
+            return cpu::Picture(own, *passes, *level_.kernels, threads_, arena_, buffers_[depth_ - 1],
                                 std::move(stop))
                 .draw();
         } catch (const std::bad_alloc&) {
-            return fail(ErrorCode::ResourceLimit,
-                        "There is not enough memory to draw this picture; ask for a smaller one.");
+            Error error{ErrorCode::ResourceLimit,
+                        "There is not enough memory to draw this picture; ask for a smaller one.",
+                        {}};
+            if (reduction_) reduction_->giveUp(error);
+            return tl::unexpected(std::move(error));
         }
     }
 
@@ -77,6 +89,7 @@ class CpuDevice final : public Device {
         explicit Within(CpuDevice& device) : device_(device) {
             if (device.buffers_.size() == device.depth_) {
                 auto& buffers = device.buffers_.emplace_back();
+                buffers.together.reduction = device.reduction_.get();
                 for (int i = 0; i < device.threads_; ++i)
                     buffers.tiles.push_back(std::make_unique<cpu::TileMemory>());
             }
@@ -99,6 +112,7 @@ class CpuDevice final : public Device {
 
     const int threads_;
     const cpu::SimdLevel& level_;
+    const std::unique_ptr<cpu::PassReduction> reduction_;
     std::unique_ptr<tbb::global_control> control_;
     tbb::task_arena arena_;
     std::deque<cpu::Buffers> buffers_;  ///< of pictures within each other's pauses
@@ -107,7 +121,8 @@ class CpuDevice final : public Device {
 
 }  // namespace
 
-Expected<std::unique_ptr<Device>> createCpuDevice(int threads) {
+Expected<std::unique_ptr<Device>> createCpuDevice(int threads,
+                                                  std::unique_ptr<cpu::PassReduction> reduction) {
     if (threads < 0 || threads > maxThreads) {
         return fail(ErrorCode::InvalidArgument,
                     fmt::format("The cpu device takes 1 to {} threads, or 0 for all cores, not {}.",
@@ -118,7 +133,7 @@ Expected<std::unique_ptr<Device>> createCpuDevice(int threads) {
     const char* forced = std::getenv("SCANCAST_SIMD");
     const auto level = cpu::chooseSimdLevel(forced != nullptr ? forced : "");
     if (!level) return passOn(level);
-    return std::make_unique<CpuDevice>(std::min(threads, maxThreads), **level);
+    return std::make_unique<CpuDevice>(std::min(threads, maxThreads), **level, std::move(reduction));
 }
 
 }  // namespace scancast

@@ -8,6 +8,7 @@
 
 #include <memory>
 
+#include "renderer/device/cpu/pass_reduction.hpp"
 #include "renderer/device/device.hpp"
 
 namespace scancast {
@@ -15,6 +16,10 @@ namespace scancast {
 /// `threads` 0 = all cores. The environment variable SCANCAST_SIMD (v2, v3, v4) forces a SIMD level. Errors:
 /// InvalidArgument for a wrong thread count or level name; DeviceUnavailable where the processor lacks the
 /// level.
-Expected<std::unique_ptr<Device>> createCpuDevice(int threads);
+/// With a `reduction` its pictures are drawn together with other devices', which are told to draw the same at the same
+/// time, each with the samples of its share alone: other runs of the cut have none, but their ordinals. It pauses
+/// between passes then; the frames of devices that do not show are empty.
+Expected<std::unique_ptr<Device>> createCpuDevice(int threads,
+                                                  std::unique_ptr<cpu::PassReduction> reduction = nullptr);
 
 }  // namespace scancast

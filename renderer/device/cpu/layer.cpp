@@ -66,6 +66,22 @@ Owners movedBy(const Owners& first, std::ptrdiff_t right, std::ptrdiff_t down) {
     return o;
 }
 
+/// Between them runs without samples: others' ordinals are looked up, too.
+std::vector<SplatRun> withGaps(const std::vector<SplatRun>& byOrdinal, std::uint64_t end) {
+    std::vector<SplatRun> all;
+    std::uint64_t next = 0;
+    const auto gapUntil = [&](std::uint64_t ordinal) {
+        if (next < ordinal) all.emplace_back().firstOrdinal = static_cast<std::uint32_t>(next);
+    };
+    for (const SplatRun& run : byOrdinal) {
+        gapUntil(run.firstOrdinal);
+        all.push_back(run);
+        next = std::uint64_t{run.firstOrdinal} + run.count;
+    }
+    gapUntil(end);
+    return all;
+}
+
 }  // namespace
 
 Owners OwnerMemory::around(const Rect& area) {
@@ -87,13 +103,14 @@ Owners OwnerMemory::around(const Rect& area) {
 
 Layer::Layer(const Drawing& drawing, const CutView& view, const LayerView& layerView,
              const FramePasses& passes, const Kernels& kernels, const Workers& workers,
-             TileMemories& memories, const Rect& area)
+             TileMemories& memories, const Rect& area, Together* together)
     : layerView_(layerView),
       passes_(passes),
       kernels_(kernels),
       workers_(workers),
       memories_(memories),
       area_(area),
+      together_(together),
       tables_(colorTables(drawing.color, view.filter)),
       splats_(splatPasses(passes, layerView, drawing.color)) {
     for (SplatPass& pass : splats_) {
@@ -109,7 +126,7 @@ Layer::Layer(const Drawing& drawing, const CutView& view, const LayerView& layer
                                  layerView.viewpoint->height);
     prepareRuns(drawing, view);
     workers_.pauseIfDue();
-    if (passes.bySample()) listSamples();
+    if (passes.bySample()) listSamples(view.cut);
     workers_.pauseIfDue();
     if (!workers_.stopped()) tiles_ = cutIntoTiles(area_, runs_, workers_.threads() * tilesPerThread);
 }
@@ -133,13 +150,17 @@ void Layer::prepareRuns(const Drawing& drawing, const CutView& view) {
     std::ranges::stable_sort(runs_, {}, &PreparedRun::front);
 }
 
-void Layer::listSamples() {
+void Layer::listSamples(const Cut& cut) {
     // Who shows in a pixel is asked of sprites, which have one splat pass.
     for (const PreparedRun& prepared : runs_)
         byOrdinal_.emplace_back(prepared.run).sizeFactor = prepared.sizes.front().sizeFactor;
     std::ranges::sort(byOrdinal_, {}, &SplatRun::firstOrdinal);
-    const std::uint64_t end =
+    std::uint64_t end =
         byOrdinal_.empty() ? 0 : std::uint64_t{byOrdinal_.back().firstOrdinal} + byOrdinal_.back().count;
+    if (together_ != nullptr) {
+        end = std::max(end, cut.samples);
+        byOrdinal_ = withGaps(byOrdinal_, end);
+    }
     runAt_.assign((end >> ordinalShift) + 1, 0);
     std::uint32_t run = 0;
     for (std::size_t i = 0; i < runAt_.size(); ++i) {
@@ -306,10 +327,21 @@ void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& sta
     std::vector<SplatPass> passes = splats_;
     for (SplatPass& pass : passes) pass = jittered(pass, layerView_, jitter);
     for (auto& time : spent_) time = 0;
-    const auto start = workers_.now();
     Owners owners;
     if (passes_.resolve.smooth && planes.owners != nullptr) owners = planes.owners->around(planes.area);
     const FrameDrawing frame{passes, planes, owners};
+    if (together_ != nullptr)
+        drawTogether(frame, stats);
+    else
+        drawAlone(frame, stats);
+    if (owners.places == nullptr || workers_.stopped() || !shows()) return;
+    const auto smoothing = workers_.now();
+    smooth(passes.front(), planes, owners);
+    stats.add("smooth", workers_.millisecondsSince(smoothing));
+}
+
+void Layer::drawAlone(const FrameDrawing& frame, FrameStats& stats) {
+    const auto start = workers_.now();
     std::vector<TileDrawing> drawings(std::min(tiles_.size(), memories_.size()));
     for (std::size_t i = 0; i < drawings.size(); ++i) drawings[i].memory = memories_[i].get();
     std::atomic<std::size_t> next{0};
@@ -330,14 +362,10 @@ void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& sta
     const double passed = workers_.millisecondsSince(start);
     std::int64_t all = 0;
     for (const auto& time : spent_) all += time;
-    for (std::size_t i = 0; i <= passes.size(); ++i) {
-        stats.add(i < passes.size() ? nameOf(passes[i]) : "resolve",
+    for (std::size_t i = 0; i <= frame.passes.size(); ++i) {
+        stats.add(i < frame.passes.size() ? nameOf(frame.passes[i]) : "resolve",
                   passed * double(spent_[i]) / double(std::max<std::int64_t>(1, all)));
     }
-    if (owners.places == nullptr || workers_.stopped()) return;
-    const auto smoothing = workers_.now();
-    smooth(passes.front(), planes, owners);
-    stats.add("smooth", workers_.millisecondsSince(smoothing));
 }
 
 }  // namespace scancast::cpu

@@ -1,12 +1,15 @@
 // One cut seen from one viewpoint: its runs made ready once, then drawn once per jittered frame, tile by tile
 // through all splat passes, into planes of pixels. A picture is a layer; every mirror that it shows is
-// another. Made for one draw(), on the render thread.
+// another. Made for one draw(), on the render thread. Where others draw the same picture's other samples, it is
+// drawn pass by pass instead, with what they agree on in between (layer_together.cpp).
 #pragma once
 
 #include <atomic>
 #include <memory>
 #include <vector>
 
+#include "renderer/device/cpu/occupied_spans.hpp"
+#include "renderer/device/cpu/pass_reduction.hpp"
 #include "renderer/device/cpu/prepare.hpp"
 #include "renderer/device/cpu/tiles.hpp"
 #include "renderer/device/cpu/workers.hpp"
@@ -23,6 +26,18 @@ struct TileMemory {
 
 /// As many as there are threads.
 using TileMemories = std::vector<std::unique_ptr<TileMemory>>;
+
+/// Whom a picture is drawn together with, and planes of a whole layer for it. Lives as long as the device.
+struct Together {
+    PassReduction* reduction = nullptr;
+    TileMemories tiles;      ///< a tile each: all of them are needed until the last pass
+    OccupiedSpans occupied;  ///< of the layer's pixels; of what is, packed, a plane after the other:
+    std::vector<Key> keys;
+    std::vector<std::int32_t> sums;
+    std::vector<std::int64_t> wideSums;
+    std::vector<std::uint32_t> words;
+    std::vector<float> depth;  ///< of the layer, not packed
+};
 
 /// What a layer needs to smooth the borders of paraboloids, besides what it draws into. Grows to the largest layer and stays.
 struct OwnerMemory {
@@ -46,16 +61,18 @@ struct Planes {
 
 class Layer {
   public:
-    /// Everything outlives the layer.
+    /// Everything outlives the layer. `together`: null, it is drawn alone.
     Layer(const Drawing& drawing, const CutView& view, const LayerView& layerView, const FramePasses& passes,
-          const Kernels& kernels, const Workers& workers, TileMemories& memories, const Rect& area);
-    /// Splats and resolves one frame; `planes` cover the layer's area. Adds to the stages "nearest", "sum",
-    /// "cell", "resolve" and "smooth".
+          const Kernels& kernels, const Workers& workers, TileMemories& memories, const Rect& area,
+          Together* together = nullptr);
+    /// Splats and resolves one frame; `planes` cover the layer's area. Together with others they are filled for who
+    /// shows only. Adds to the stages "nearest", "sum",
+    /// "cell", "resolve" and "smooth", and together "reduce".
     void draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats);
 
   private:
     void prepareRuns(const Drawing& drawing, const CutView& view);
-    void listSamples();
+    void listSamples(const Cut& cut);
     /// A tile that is being drawn, and how far it has come: one takes as long as its samples do, and the picture pauses
     /// meanwhile.
     struct TileDrawing {
@@ -77,6 +94,23 @@ class Layer {
         const Owners& owners;
     };
 
+    void drawAlone(const FrameDrawing& frame, FrameStats& stats);
+    void drawTogether(const FrameDrawing& frame, FrameStats& stats);
+    bool shows() const { return together_ == nullptr || together_->reduction->shows(); }
+    std::size_t pixels() const {
+        return static_cast<std::size_t>(area_.width()) * static_cast<std::size_t>(area_.height());
+    }
+    template <class Work>
+    void inRows(const std::vector<TileDrawing>& drawings, const Work& work) const;
+    template <class Work>
+    void inOccupied(const std::vector<TileDrawing>& drawings, const Work& work) const;
+    void reducePass(std::vector<TileDrawing>& drawings, const SplatPass& pass, bool last);
+    void reduceKeys(std::vector<TileDrawing>& drawings, Receivers to);
+    void reduceSums(std::vector<TileDrawing>& drawings, const SplatPass& pass);
+    template <class T>
+    void addSums(std::vector<TileDrawing>& drawings, std::size_t planes, std::vector<T>& memory);
+    void resolveTogether(std::vector<TileDrawing>& drawings, const FrameDrawing& frame);
+    void joinSamples(std::vector<TileDrawing>& drawings, const Planes& planes, const Owners& owners);
     void begin(TileDrawing& at, const Tile& tile);
     bool goOn(TileDrawing& at, const FrameDrawing& frame);
     void beginPass(TileDrawing& at, const SplatPass& pass);
@@ -92,6 +126,7 @@ class Layer {
     const Workers& workers_;
     TileMemories& memories_;
     const Rect area_;
+    Together* const together_;
     const ColorTables tables_;
     std::vector<SplatPass> splats_;
     std::vector<PreparedRun> runs_;  ///< front to back

@@ -15,7 +15,7 @@ Rect areaOf(const MirrorGlass& glass, int pad, const Rect& picture) {
 
 MirrorLayer::MirrorLayer(const Drawing& drawing, const CutView& reflection, const LayerView& mainView,
                          const FramePasses& passes, const Kernels& kernels, const Workers& workers,
-                         TileMemories& tiles, LayerMemory& memory, const Rect& picture)
+                         TileMemories& tiles, LayerMemory& memory, const Rect& picture, Together* together)
     : glass_(*reflection.glass),
       layerView_{&reflection.viewpoint, mainView.pad,           mainView.surfels,
                  mainView.oriented,     mainView.orientedNodes, mainView.curvatures},
@@ -23,8 +23,10 @@ MirrorLayer::MirrorLayer(const Drawing& drawing, const CutView& reflection, cons
       kernels_(kernels),
       workers_(workers),
       memory_(memory),
+      shows_(together == nullptr || together->reduction->shows()),
       area_(areaOf(*reflection.glass, mainView.pad, picture)) {
-    if (!empty()) layer_.emplace(drawing, reflection, layerView_, passes, kernels, workers, tiles, area_);
+    if (!empty())
+        layer_.emplace(drawing, reflection, layerView_, passes, kernels, workers, tiles, area_, together);
 }
 
 void MirrorLayer::draw(const glm::dvec2& jitter, const Planes& picture) {
@@ -38,7 +40,7 @@ void MirrorLayer::draw(const glm::dvec2& jitter, const Planes& picture) {
     if (passes_.resolve.smooth) planes.owners = &memory_.owners;
     FrameStats own;  // its stages are the picture's one stage "mirrors"
     layer_->draw(jitter, planes, own);
-    layOver(jitter, planes, picture, kernels_.lookThrough);
+    if (shows_) layOver(jitter, planes, picture, kernels_.lookThrough);
 }
 
 void MirrorLayer::finish(const glm::dvec2& jitter, const Planes& picture) const {

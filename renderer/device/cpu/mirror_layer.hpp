@@ -24,7 +24,7 @@ class MirrorLayer {
     /// `picture`: the area that is drawn of it. Everything outlives the layer.
     MirrorLayer(const Drawing& drawing, const CutView& reflection, const LayerView& mainView,
                 const FramePasses& passes, const Kernels& kernels, const Workers& workers,
-                TileMemories& tiles, LayerMemory& memory, const Rect& picture);
+                TileMemories& tiles, LayerMemory& memory, const Rect& picture, Together* together = nullptr);
 
     /// Nothing of it lies in the picture.
     bool empty() const { return area_.empty(); }
@@ -44,6 +44,7 @@ class MirrorLayer {
     const Kernels& kernels_;
     const Workers& workers_;
     LayerMemory& memory_;
+    const bool shows_;            ///< or somebody else does, whom it is drawn together with
     Rect area_;                   ///< pixels that may change
     std::optional<Layer> layer_;  ///< unless empty
 };

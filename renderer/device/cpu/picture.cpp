@@ -28,7 +28,8 @@ Picture::Picture(const Drawing& drawing, const FramePasses& passes, const Kernel
       passes_(passes),
       kernels_(kernels),
       workers_(arena, threads, std::move(stop), drawing.pause),
-      buffers_(buffers) {
+      buffers_(buffers),
+      shows_(buffers.together.reduction == nullptr || buffers.together.reduction->shows()) {
     const PictureArea shown = pictureArea(drawing, passes);
     layerView_ = shown.view;
     window_ = rectOf(shown.window);
@@ -41,7 +42,7 @@ Planes Picture::framePlanes(std::uint32_t* out, bool first, Frame& frame) {
     const std::size_t pixels = pixelsOf(area_);
     if (passes_.normals()) planes.normals = grown(buffers_.frame.normals, pixels);
     if (passes_.resolve.smooth) planes.owners = &buffers_.frame.owners;
-    if (same(area_, window_)) {
+    if (same(area_, window_) && shows_) {
         planes.rgba = out;
         planes.depth = first && drawing_.depth ? frame.depth.own().data() : nullptr;
     } else {
@@ -69,8 +70,9 @@ void Picture::makeMirrors() {
     for (const CutView& reflection : drawing_.reflections()) {
         const std::size_t at = mirrors_.size();
         if (buffers_.mirrors.size() <= at) buffers_.mirrors.push_back(std::make_unique<LayerMemory>());
-        auto layer = std::make_unique<MirrorLayer>(drawing_, reflection, layerView_, passes_, kernels_,
-                                                   workers_, buffers_.tiles, *buffers_.mirrors[at], area_);
+        auto layer =
+            std::make_unique<MirrorLayer>(drawing_, reflection, layerView_, passes_, kernels_, workers_,
+                                          buffers_.tiles, *buffers_.mirrors[at], area_, together());
         if (!layer->empty()) mirrors_.push_back(std::move(layer));
     }
 }
@@ -88,7 +90,7 @@ void Picture::drawShadowMap(FrameStats& stats) {
     planes.rgba = grown(buffers_.sun.rgba, pixelsOf(planes.area));
     planes.depth = grown(buffers_.sun.depth, pixelsOf(planes.area));
     FrameStats own;  // one stage of the picture's
-    Layer(drawing, sun, layerView, passes, kernels_, workers_, buffers_.tiles, planes.area)
+    Layer(drawing, sun, layerView, passes, kernels_, workers_, buffers_.tiles, planes.area, together())
         .draw({0, 0}, planes, own);
     sun_ = ShadowMap{&sun.viewpoint, planes.depth};
     stats.add("shadow map", workers_.millisecondsSince(start));
@@ -109,6 +111,7 @@ void Picture::drawFrame(Layer& layer, const glm::dvec2& jitter, bool first, std:
     const Planes planes = framePlanes(out, first, frame);
     layer.draw(jitter, planes, frame.stats);
     onMirrors(frame.stats, [&](MirrorLayer& mirror) { mirror.draw(jitter, planes); });
+    if (!shows_) return;
     runScreenPasses(passes_.screen, layerView_, jitter, planes, kernels_, workers_, buffers_.screen,
                     frame.stats, sun_ ? &*sun_ : nullptr);
     onMirrors(frame.stats, [&](const MirrorLayer& mirror) { mirror.finish(jitter, planes); });
@@ -129,10 +132,12 @@ void Picture::drawAveraged(Layer& layer, Frame& frame) {
     buffers_.sums.assign(pixels * 4, 0);
     for (std::size_t i = 0; i < drawing_.jitter.size() && !workers_.stopped(); ++i) {
         drawFrame(layer, drawing_.jitter[i], i == 0, one, frame);
+        if (!shows_) continue;
         const auto start = workers_.now();
         accumulate(one);
         frame.stats.add("average", workers_.millisecondsSince(start));
     }
+    if (!shows_) return;
     const auto start = workers_.now();
     std::uint8_t* const mean = frame.rgba.own().data();
     workers_.overRows(window_.height(), [&](int y0, int y1) {
@@ -148,10 +153,10 @@ Expected<Frame> Picture::draw() {
     Frame frame;
     frame.width = window_.width();
     frame.height = window_.height();
-    frame.rgba.own().resize(pixelsOf(window_) * 4);
-    if (drawing_.depth) frame.depth.own().resize(pixelsOf(window_));
-    Layer layer(drawing_, drawing_.mainView(), layerView_, passes_, kernels_, workers_, buffers_.tiles,
-                area_);
+    if (shows_) frame.rgba.own().resize(pixelsOf(window_) * 4);
+    if (shows_ && drawing_.depth) frame.depth.own().resize(pixelsOf(window_));
+    Layer layer(drawing_, drawing_.mainView(), layerView_, passes_, kernels_, workers_, buffers_.tiles, area_,
+                together());
     frame.stats.add("nearest", workers_.millisecondsSince(start));
     if (!drawing_.reflections().empty()) {
         const auto mirrorsStart = workers_.now();

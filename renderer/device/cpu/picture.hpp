@@ -18,7 +18,8 @@ struct Buffers {
     LayerMemory frame;  ///< of a frame with its margin
     std::vector<std::unique_ptr<LayerMemory>> mirrors;
     ScreenMemory screen;
-    LayerMemory sun;                 ///< its map of shadows
+    LayerMemory sun;  ///< its map of shadows
+    Together together;
     std::vector<std::uint32_t> one;  ///< a frame to be averaged
     std::vector<std::uint16_t> sums;
 };
@@ -27,9 +28,11 @@ class Picture {
   public:
     Picture(const Drawing& drawing, const FramePasses& passes, const Kernels& kernels, int threads,
             tbb::task_arena& arena, Buffers& buffers, std::stop_token stop);
+    /// Without pixels where others show them (pass_reduction.hpp).
     Expected<Frame> draw();
 
   private:
+    Together* together() { return buffers_.together.reduction != nullptr ? &buffers_.together : nullptr; }
     Planes framePlanes(std::uint32_t* out, bool first, Frame& frame);
     template <class Work>
     void onMirrors(FrameStats& stats, const Work& work);
@@ -45,6 +48,7 @@ class Picture {
     const Kernels& kernels_;
     const Workers workers_;
     Buffers& buffers_;
+    const bool shows_;
     LayerView layerView_;
     Rect window_;
     Rect area_;  ///< the window, and what screen passes look at beyond it

@@ -12,6 +12,7 @@
 #include "renderer/cloud/export/export_points.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "server/base/byte_size.hpp"
+#include "server/base/remote_cloud.hpp"
 #include "server/commands/importer_flags.hpp"
 #include "server/terminal/interruption.hpp"
 #include "server/terminal/progress_bar.hpp"
@@ -87,6 +88,12 @@ Expected<ExportOptions> exportOptions(const ExportArguments& arguments) {
 
 Expected<ExportReport> exportInput(const ExportArguments& arguments, const ExportOptions& options,
                                    const ProgressSink& progress, const std::stop_token& stop) {
+    if (isRemoteUrl(arguments.input)) {
+        RemoteFiles remote{RemoteOptions()};
+        auto opened = openRemoteCloud(remote, arguments.input);
+        if (!opened) return passOn(std::move(opened));
+        return exportCloud(opened->file, options, progress, stop);
+    }
     auto input = ScanInput::open(arguments.input);
     if (!input) return passOn(input);
     if (isCloudFile(input->file())) {
@@ -142,7 +149,9 @@ void addExport(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<ExportArguments>();
     CLI::App* command =
         app.add_subcommand("export", "Write the points of a cloud file or a scan as LAS, PLY or text");
-    command->add_option("cloud", arguments->input, "The cloud file, or a scan")
+    command
+        ->add_option("cloud", arguments->input,
+                     "The cloud file (a file, or a URL: https://, s3://), or a scan")
         ->required()
         ->type_name("CLOUD");
     command

@@ -8,6 +8,7 @@
 #include <optional>
 #include <system_error>
 
+#include "remote/remote_url.hpp"
 #include "server/commands/scans/glob.hpp"
 #include "server/commands/scans/judged_file.hpp"
 #include "server/terminal/terminal.hpp"
@@ -52,6 +53,7 @@ std::string kindsText(const std::map<std::string, std::size_t>& kinds) {
 }  // namespace
 
 Expected<void> FoundScans::add(const std::string& argument) {
+    if (isRemoteUrl(argument)) return addUrl(argument);
     const auto there = statOf(argument);
     if (!there && !isThere(argument) && isPattern(argument)) return addPattern(argument);
     if (!there || !S_ISDIR(there->st_mode) || isOctreeFolder(argument)) {
@@ -62,6 +64,16 @@ Expected<void> FoundScans::add(const std::string& argument) {
     search.folders.emplace(there->st_dev, there->st_ino);
     if (auto ok = lookIn(argument, 0, search); !ok) return ok;
     return settle(search, false);
+}
+
+Expected<void> FoundScans::addUrl(const std::string& argument) {
+    const auto url = RemoteUrl::parse(argument);
+    if (!url) return passOn(url);
+    if (!options_.urls)
+        return fail(ErrorCode::InvalidArgument,
+                    url->shown() + ": here files are read, and no URLs; download it first");
+    if (named_.insert(argument).second) files_.push_back(argument);
+    return {};
 }
 
 void FoundScans::addNamed(const std::string& file) {

@@ -2,6 +2,7 @@
 // anything is opened for good. Place: command line, configuration → **files** → whoever reads them.
 //
 //   FILE      itself, whatever it is
+//   URL       of a cloud file, where the command reads those (remote/remote_url.hpp); nothing is asked for yet
 //   FOLDER    all scans in it and beneath it, hidden ones aside; an octree of another program's is one scan
 //   PATTERN   `flight/*.laz`, where there is no file of that name (glob.hpp): the files, and the folders, that it stands for
 //
@@ -24,6 +25,7 @@ namespace scancast {
 
 struct FindScansOptions {
     bool cloudFiles = true;      ///< those in folders, too; one that is named is always taken
+    bool urls = false;           ///< of cloud files in object storage
     std::size_t most = 100'000;  ///< names that are looked at for one argument
 };
 
@@ -60,6 +62,7 @@ class FoundScans {
         std::map<std::string, std::size_t> kinds{};  ///< that were left out
     };
 
+    Expected<void> addUrl(const std::string& argument);
     void addNamed(const std::string& file);
     Expected<void> addPattern(const std::string& pattern);
     Expected<void> settle(Search& search, bool pattern);

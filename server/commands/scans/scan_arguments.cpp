@@ -8,7 +8,9 @@ void addVerbose(CLI::App& app, bool& verbose) {
 
 void addFilesAsOne(CLI::App& app, std::vector<std::string>& files, bool& verbose) {
     app.add_option("file", files,
-                   "A cloud file or a scan; several scans, or a folder of them, are taken as one")
+                   "A cloud file (also behind a URL: https://, s3://) or a scan; several scans, or a folder "
+                   "of them, are "
+                   "taken as one")
         ->required()
         ->type_name("FILE");
     addVerbose(app, verbose);

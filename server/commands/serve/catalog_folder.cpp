@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <set>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -14,8 +17,8 @@ namespace scancast {
 
 namespace fs = std::filesystem;
 
-CatalogFolder::CatalogFolder(fs::path path, std::size_t most, std::function<void(const std::string&)> onNote)
-    : path_(std::move(path)), most_(most), onNote_(std::move(onNote)) {}
+CatalogFolder::CatalogFolder(fs::path path, std::function<void(const std::string&)> onNote)
+    : path_(std::move(path)), onNote_(std::move(onNote)) {}
 
 void CatalogFolder::note(const std::string& text) {
     if (onNote_) onNote_(text);
@@ -42,33 +45,55 @@ std::optional<std::vector<std::string>> CatalogFolder::names() {
     return names;
 }
 
+// A file that is being copied is another one with every look; that is told once and not every two seconds.
+void CatalogFolder::leaveOut(const std::string& name, Known& known, Reason reason, const std::string& why) {
+    if ((known.told & unsigned(reason)) != 0) return;
+    known.told |= unsigned(reason);
+    note(fmt::format("{} is not served{}: {}", (path_ / name).string(),
+                     reason == Reason::NoCloudFile ? ""
+                     : reason == Reason::NotWhole  ? " until it is whole"
+                                                   : " until it can be read",
+                     why));
+}
+
+// Only what its content says holds as long as that stays: what a disk, or this process's limits, did not let be seen is looked at again.
 void CatalogFolder::judge(const std::string& name, const InputFile& file, Known& known) {
-    known.judged = file.identity();
-    if (!isCloudFile(file)) {
-        if (fs::path(name).extension() == ".scan")
-            note(fmt::format("{} is not served: it is no cloud file.", (path_ / name).string()));
-        return;
+    std::array<std::byte, 8> start{};
+    const auto got = file.readAt(0, start);
+    if (!got) return leaveOut(name, known, Reason::Unreadable, got.error().message);
+    if (*got < start.size() || !isCloudFile(std::span(start))) {
+        known.judged = file.identity();
+        if (fs::path(name).extension() != ".scan") return;
+        if (*got < start.size())
+            return leaveOut(name, known, Reason::NotWhole, fmt::format("it has {} bytes.", *got));
+        return leaveOut(name, known, Reason::NoCloudFile, "it is no cloud file.");
     }
     auto shared = file.share();
     const auto opened = shared ? CloudFile::open(std::move(*shared))
                                : Expected<std::shared_ptr<const CloudFile>>(tl::unexpected(shared.error()));
     known.isWhole = opened.has_value();
-    if (!opened)
-        note(fmt::format("{} is not served until it is whole: {}", (path_ / name).string(),
-                         opened.error().message));
+    if (opened) return;
+    const ErrorCode code = opened.error().code;
+    const bool isOfContent = code != ErrorCode::Io && code != ErrorCode::ResourceLimit;
+    if (isOfContent) known.judged = file.identity();
+    leaveOut(name, known, isOfContent ? Reason::NotWhole : Reason::Unreadable, opened.error().message);
 }
 
 bool CatalogFolder::isServed(const std::string& name, Known& known) {
+    if (known.isWhole) return true;
     const auto file = InputFile::open(path_ / name);
-    if (!file) {  // no regular file, or one that nobody may read; what was served goes on from what is open
-        if (file.error().code == ErrorCode::NotFound) known = {};
-        return known.isWhole;
+    if (!file) {
+        const ErrorCode code = file.error().code;
+        // Gone since the listing, a link to nowhere; a folder, a pipe.
+        const bool isNone = code == ErrorCode::NotFound || code == ErrorCode::Unsupported;
+        if (!isNone) leaveOut(name, known, Reason::Unreadable, file.error().message);
+        return false;
     }
-    if (!known.isWhole && known.judged != file->identity()) judge(name, *file, known);
+    if (known.judged != file->identity()) judge(name, *file, known);
     return known.isWhole;
 }
 
-std::vector<fs::path> CatalogFolder::choose() {
+std::vector<fs::path> CatalogFolder::choose(std::size_t most) {
     std::vector<fs::path> files;
     std::vector<std::string> namesakes;
     std::set<std::string> ids;
@@ -77,7 +102,7 @@ std::vector<fs::path> CatalogFolder::choose() {
         if (!isServed(name, known)) continue;
         if (!ids.insert(cloudIdFor(fs::path(name).stem().string())).second)
             namesakes.push_back(name);
-        else if (files.size() < most_)
+        else if (files.size() < most)
             files.push_back(path_ / name);
         else
             ++beyond;
@@ -88,15 +113,13 @@ std::vector<fs::path> CatalogFolder::choose() {
                              (path_ / name).string(), cloudIdFor(fs::path(name).stem().string())));
     namesakes_ = std::move(namesakes);
     if (beyond > 0 && !isFull_)
-        note(fmt::format("{}: {} clouds are not served, because --max-clouds is {}.", path_.string(), beyond,
-                         most_));
+        note(fmt::format("{}: {} clouds are not served, because --max-clouds leaves room for {}.",
+                         path_.string(), beyond, most));
     isFull_ = beyond > 0;
     return files;
 }
 
-bool CatalogFolder::look(Time now) {
-    if (looked_ && now - *looked_ < interval) return false;
-    looked_ = now;
+bool CatalogFolder::look(std::size_t most) {
     const auto there = names();
     if (!there) return false;
     std::map<std::string, Known> known;
@@ -105,7 +128,7 @@ bool CatalogFolder::look(Time now) {
         known.emplace(name, before == known_.end() ? Known{} : std::move(before->second));
     }
     known_ = std::move(known);
-    auto files = choose();
+    auto files = choose(most);
     const bool isOther = files != files_;
     files_ = std::move(files);
     return isOther;

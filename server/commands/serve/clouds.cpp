@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "protocol/text/grouped.hpp"
@@ -19,6 +20,7 @@ LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageR
     loading.importers = options.importers;
     loading.cache = options.server.cache;
     loading.damage = std::move(damage);
+    loading.remote = options.server.remote;
     loading.onDamaged = [&bar](const CloudFile& file, const Error& error) {
         // Nothing is wrong with the file, and every block may have a part in it.
         if (error.code == ErrorCode::ResourceLimit) return reportFault(error);
@@ -66,61 +68,85 @@ LiveOptions liveOptions(const ServeOptions& options, ScancastServer& server, Pro
     return live;
 }
 
-std::optional<CatalogFolder> catalogFolder(const ServeOptions& options, ProgressBar& bar) {
-    if (options.catalog.empty()) return std::nullopt;
-    CatalogFolder folder(options.catalog, options.server.maxClouds, [&bar](const std::string& note) {
+std::unique_ptr<CatalogLookout> lookout(const ServeOptions& options, std::size_t most, ProgressBar& bar) {
+    if (options.catalog.empty()) return nullptr;
+    LookoutOptions looking;
+    looking.folder = options.catalog;
+    looking.most = most;
+    looking.onNote = [&bar](const std::string& note) {
         bar.clear();
         spdlog::warn("{}", note);
-    });
-    folder.look(CatalogFolder::Time::clock::now());
-    return folder;
+    };
+    return std::make_unique<CatalogLookout>(std::move(looking));
 }
 
-std::vector<std::filesystem::path> bothOf(std::vector<std::filesystem::path> files,
-                                          const std::optional<CatalogFolder>& folder) {
-    if (folder) files.insert(files.end(), folder->files().begin(), folder->files().end());
-    return files;
+/// So that the server is not ready before the clouds of a folder that answers are; for one that does not, signals do not wait.
+std::vector<std::filesystem::path> firstOf(CatalogLookout* folder) {
+    constexpr std::chrono::seconds patience{5};
+    if (!folder) return {};
+    if (!folder->waitForFirst(patience))
+        spdlog::warn("{}: the folder has not answered for {} s; its clouds are served when it has.",
+                     folder->path().string(), patience.count());
+    return folder->takeNews().value_or(CatalogLookout::Files());
 }
 
 }  // namespace
 
 CloudSources::CloudSources(const ServeOptions& options, std::shared_ptr<DamageReports> damage,
                            ScancastServer& server, ProgressBar& bar)
-    : folder(catalogFolder(options, bar)),
-      loader(bothOf(options.files, folder), server.catalog(),
-             loaderOptions(options, std::move(damage), server, bar)),
-      files_(options.files) {
-    const auto inputs = liveInputs(options);  // sound: check() has said so
-    for (const LiveInput& input : *inputs)
-        live.push_back(
+    : mostClouds_(options.server.maxClouds),
+      files_(options.files),
+      liveInputs_(*liveInputs(options)),  // sound: check() has said so
+      folder_(lookout(options, roomOfFolder(), bar)),
+      folderFiles_(firstOf(folder_.get())),
+      loader_(both(), server.catalog(), loaderOptions(options, std::move(damage), server, bar)) {
+    for (const LiveInput& input : liveInputs_)
+        live_.push_back(
             std::make_unique<LiveSource>(input, server.catalog(), liveOptions(options, server, bar)));
+}
+
+CloudSources::Files CloudSources::both() const {
+    Files files = files_;
+    // A look that was made before there was less room may have found more.
+    const auto fits = std::ptrdiff_t(std::min(folderFiles_.size(), roomOfFolder()));
+    files.insert(files.end(), folderFiles_.begin(), folderFiles_.begin() + fits);
+    return files;
+}
+
+/// What the others leave of --max-clouds.
+std::size_t CloudSources::roomOfFolder() const {
+    return mostClouds_ - std::min(mostClouds_, files_.size() + liveInputs_.size());
 }
 
 Loader::Changes CloudSources::serve(const std::vector<std::filesystem::path>& files) {
     files_ = files;
-    return loader.serve(bothOf(files_, folder));
+    if (folder_) folder_->setMost(roomOfFolder());
+    return loader_.serve(both());
 }
 
-void CloudSources::lookAround(CatalogFolder::Time now) {
-    if (!folder || !folder->look(now)) return;
-    const Loader::Changes changes = loader.serve(bothOf(files_, folder));
-    spdlog::info("{}: {} clouds; {} added, {} removed", folder->path().string(), folder->files().size(),
+void CloudSources::lookAround() {
+    auto news = folder_ ? folder_->takeNews() : std::nullopt;
+    if (!news) return;
+    folderFiles_ = std::move(*news);
+    const Loader::Changes changes = loader_.serve(both(), Loader::Again::Leave);
+    spdlog::info("{}: {} clouds; {} added, {} removed", folder_->path().string(), folderFiles_.size(),
                  changes.added, changes.removed);
 }
 
 bool CloudSources::failed() const {
-    return loader.finished() && loader.allFailed() &&
-           std::ranges::all_of(live, [](const auto& source) { return source->failed(); });
+    return loader_.finished() && loader_.allFailed() &&
+           std::ranges::all_of(live_, [](const auto& source) { return source->failed(); });
 }
 
 void CloudSources::requestStop() {
-    loader.requestStop();
-    for (const auto& source : live) source->requestStop();
+    if (folder_) folder_->requestStop();
+    loader_.requestStop();
+    for (const auto& source : live_) source->requestStop();
 }
 
 bool CloudSources::finished() const {
-    return loader.finished() &&
-           std::ranges::all_of(live, [](const auto& source) { return source->finished(); });
+    return loader_.finished() && (!folder_ || folder_->finished()) &&
+           std::ranges::all_of(live_, [](const auto& source) { return source->finished(); });
 }
 
 }  // namespace scancast

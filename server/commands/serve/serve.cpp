@@ -21,6 +21,8 @@
 #include "server/commands/program_folder.hpp"
 #include "server/commands/serve/clouds.hpp"
 #include "server/commands/serve/reload.hpp"
+#include "server/commands/serve/serve.hpp"
+#include "server/commands/serve/upkeep.hpp"
 #include "server/commands/serve_options.hpp"
 #include "server/commands/service_reports.hpp"
 #include "server/net/clients/open_files.hpp"
@@ -52,9 +54,25 @@ std::shared_ptr<KeptClouds> keptClouds(const ServeOptions& options) {
     if (options.cacheDir.empty()) return nullptr;
     KeptCloudsOptions kept;
     kept.folder = options.cacheDir;
-    kept.limit = *cacheSize(options);  // sound: check() has said so
+    kept.limit = cacheShares(options).scans;
     kept.onNote = [](const std::string& note) { spdlog::info("{}", note); };
     return std::make_shared<KeptClouds>(kept);
+}
+
+std::shared_ptr<RemoteFiles> remoteFiles(const ServeOptions& options) {
+    constexpr std::uint64_t usual = 32 << 20;
+    RemoteOptions remote;
+    remote.memory = std::min(usual, options.server.cache->stats().limit / 8);
+    remote.reserve = [cache = std::weak_ptr(options.server.cache)](std::uint64_t bytes) {
+        const auto there = cache.lock();
+        return there ? there->reserve(bytes) : nullptr;
+    };
+    if (const std::uint64_t share = cacheShares(options).pieces; share > 0) {
+        remote.folder = options.cacheDir / "remote";
+        remote.folderLimit = share;
+    }
+    remote.onNote = [](const std::string& note) { spdlog::warn("{}", note); };
+    return std::make_shared<RemoteFiles>(std::move(remote));
 }
 
 // Tells of the device once, when it is open. False when there is none: then nothing can be served.
@@ -71,31 +89,13 @@ bool reportDevice(ScancastServer& server, bool& reported) {
     return true;
 }
 
-/// What came since it was looked at last.
-class SignalsToServe {
-  public:
-    explicit SignalsToServe(const ShutdownSignals& signals) : signals_(signals) {}
-    bool reload() { return std::exchange(reloads_, signals_.reloads()) != signals_.reloads(); }
-    bool other() { return std::exchange(others_, signals_.others()) != signals_.others(); }
-
-  private:
-    const ShutdownSignals& signals_;
-    int reloads_ = 0, others_ = 0;
-};
-
 // Until a signal comes (0), or there is nothing to serve with or from (1).
-int waitForTheEnd(ScancastServer& server, CloudSources& sources, const ServeOptions& options,
-                  ShutdownSignals& signals, Service& service, Reload& reload) {
+int waitForTheEnd(ScancastServer& server, const CloudSources& sources, const ServeOptions& options,
+                  ShutdownSignals& signals, Service& service, Upkeep& upkeep) {
     const bool mayGrow = !options.server.dataRoot.empty() || !options.catalog.empty();
     bool deviceReported = false;
-    SignalsToServe news(signals);
     while (signals.wait(std::chrono::milliseconds(100)) == 0) {
-        if (news.other()) spdlog::warn("SIGUSR1 and SIGUSR2 mean nothing here; SIGHUP has files read anew.");
-        if (news.reload()) {
-            service.reportReload(server);
-            reload.run();
-        }
-        sources.lookAround(std::chrono::steady_clock::now());
+        upkeep.step([&] { service.reportReload(server); });
         service.report(server, false);
         if (!reportDevice(server, deviceReported)) return 1;
         // Later there is somebody to tell, and another reload.
@@ -110,24 +110,27 @@ int waitForTheEnd(ScancastServer& server, CloudSources& sources, const ServeOpti
 // Where there are other servers: their clients go to those, and are drawn for until they have. A second signal, or the end of
 // the time, ends the waiting.
 void moveClients(ScancastServer& server, std::chrono::seconds patience, ShutdownSignals& signals,
-                 Service& service) {
+                 Service& service, Upkeep& upkeep) {
     using Clock = std::chrono::steady_clock;
     if (patience.count() == 0) return;
-    const int before = signals.wait(std::chrono::milliseconds(0));
+    // One has begun this, but where there is nothing to draw with; another may have come with it.
+    const int before = std::min(1, signals.wait(std::chrono::milliseconds(0)));
     const auto end = Clock::now() + patience;
     spdlog::info("streams that are to go to another server within {} s: {}", patience.count(),
                  server.sessions());
     server.moveClients(patience);
     while (server.sessions() > 0 && Clock::now() < end &&
-           signals.wait(std::chrono::milliseconds(50)) == before)
+           signals.wait(std::chrono::milliseconds(50)) <= before) {
+        upkeep.step();  // a token that is withdrawn meanwhile is withdrawn
         service.report(server, true);
+    }
     if (server.sessions() > 0) spdlog::warn("streams that have not gone in time: {}", server.sessions());
 }
 
 // Streams are told, and what was promised is finished; then everybody is told and given time. A second
 // signal, or the end of patience, ends the process as it is.
-void leave(ScancastServer& server, CloudSources& sources, BlockCache& cache, ShutdownSignals& signals,
-           int exitCode) {
+void leave(ScancastServer& server, CloudSources& sources, BlockCache& cache, RemoteFiles& remote,
+           ShutdownSignals& signals, int exitCode) {
     using Clock = std::chrono::steady_clock;
     const int before = signals.wait(std::chrono::milliseconds(0));
     spdlog::info("shutting down");
@@ -139,6 +142,7 @@ void leave(ScancastServer& server, CloudSources& sources, BlockCache& cache, Shu
     }
     const auto end = Clock::now() + shutdownPatience;
     server.shutDown();
+    remote.stop();
     cache.stop();
     while (!server.waitForClients(std::chrono::milliseconds(0)) || !sources.finished()) {
         if (signals.wait(std::chrono::milliseconds(20)) > before || Clock::now() >= end) {
@@ -202,6 +206,7 @@ Expected<void> checkSomethingIsThere(const ServeOptions& options) {
     if (!options.live.empty() || !options.server.dataRoot.empty() || !options.catalog.empty()) return {};
     std::optional<Error> first;
     for (const auto& file : options.files) {
+        if (isRemoteUrl(file.native())) return {};  // whether it can be reached may change
         const auto input = ScanInput::open(file);
         if (input) return {};
         if (!first) first = input.error();
@@ -213,7 +218,7 @@ Expected<void> checkSomethingIsThere(const ServeOptions& options) {
     return tl::unexpected(std::move(*first));
 }
 
-int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
+int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, const ServeParts& parts) {
     auto manager = ServiceManager::fromEnvironment();
     if (!manager) return failure(manager.error());
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
@@ -233,13 +238,16 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
     const MemoryShares shares = *memoryShares(options);
     const auto damage = std::make_shared<DamageReports>();
     options.server.cache = blockCache(shares.clouds, damage);
+    if (parts.clouds) options.server.cache = parts.clouds(std::move(options.server.cache));
     options.server.scheduler.memory = TransientMemory(shares.transient);
     options.server.scheduler.maxFrameBytes = options.server.scheduler.memory.forFrames();
     options.server.kept = keptClouds(options);
+    options.server.remote = remoteFiles(options);
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);
     ShutdownSignals signals(ShutdownSignals::Hangup::Reloads);
-    auto server = ScancastServer::create(options.server, devicePainter(options.device));
+    auto server = ScancastServer::create(
+        options.server, parts.painter ? parts.painter(options.device) : devicePainter(options.device));
     if (!server) return failure(server.error());
     std::printf("Open %s\n", (*server)->url().c_str());
     std::fflush(stdout);
@@ -251,16 +259,17 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     CloudSources sources(options, damage, **server, bar);
     (*server)->admin().loadWith([&sources](ScanInput input, const std::string& id) {
-        return sources.loader.load(std::move(input), id);
+        return sources.loader().load(std::move(input), id);
     });
     Service service(std::move(*manager));
     Reload reload(std::move(given), options, std::move(effective), **server, sources);
-    const int exitCode = waitForTheEnd(**server, sources, options, signals, service, reload);
+    Upkeep upkeep(sources, reload, signals);
+    const int exitCode = waitForTheEnd(**server, sources, options, signals, service, upkeep);
     service.report(**server, true);
     bar.clear();
-    moveClients(**server, std::chrono::seconds(options.drainSeconds), signals, service);
+    moveClients(**server, std::chrono::seconds(options.drainSeconds), signals, service, upkeep);
     (*server)->admin().loadWith({});
-    leave(**server, sources, *options.server.cache, signals, exitCode);
+    leave(**server, sources, *options.server.cache, *options.server.remote, signals, exitCode);
     return exitCode;
 }
 
@@ -277,30 +286,42 @@ int checkConfig(const CLI::App& command, ServeOptions options) {
     return printed ? 0 : failure(printed.error());
 }
 
-int run(CLI::App& command, ServeOptions& options) {
+int run(CLI::App& command, ServeOptions& options, const ServeAs& as) {
     GivenFlags given = givenFlags(command);
     if (!options.config.empty()) {
         if (auto applied = applyConfigFile(command, options.config); !applied)
             return failure(applied.error());
     }
-    return options.checkConfig ? checkConfig(command, options)
-                               : serve(options, std::move(given), effectiveConfig(command));
+    if (options.checkConfig) return checkConfig(command, options);
+    return as(options, [&](const ServeParts& parts) {
+        return serve(options, std::move(given), effectiveConfig(command), parts);
+    });
 }
 
 }  // namespace
 
 void addServe(CLI::App& app, int& exitCode) {
-    auto options = std::make_shared<ServeOptions>();
-    CLI::App* command = app.add_subcommand("serve", "Serve clouds to browsers and programs");
+    CLI::App* const command = addServeAs(app, exitCode, "Serve clouds to browsers and programs",
+                                         [](ServeOptions&, const ServeWith& serve) { return serve({}); });
     command->footer(
         "Every option can also be set in the environment: --max-pixels is SCANCAST_MAX_PIXELS.\n"
         "Example: scancast serve town.las room.ply --port 9000\n"
         "         scancast serve scans/                # every scan and cloud file in the folder\n"
         "         scancast serve city.scan --memory-limit 2G\n"
+        "         scancast serve s3://scans/city.scan --cache-dir /var/cache/scancast   # credentials: "
+        "AWS_...\n"
+        "         scancast serve https://storage.example.org/city.scan\n"
         "         scancast generate statue --points 100k --frames 0 -o - | scancast serve --live statue=-\n"
         "         scancast serve --config /etc/scancast.json --check-config");
+}
+
+CLI::App* addServeAs(CLI::App& app, int& exitCode, const std::string& description, ServeAs as) {
+    auto options = std::make_shared<ServeOptions>();
+    CLI::App* const command = app.add_subcommand("serve", description);
     addServeFlags(*command, *options);
-    command->callback([options, command, &exitCode] { exitCode = run(*command, *options); });
+    command->callback(
+        [options, command, as = std::move(as), &exitCode] { exitCode = run(*command, *options, as); });
+    return command;
 }
 
 }  // namespace scancast

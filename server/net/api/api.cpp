@@ -276,6 +276,7 @@ struct Api::Answers {
             const KeptCloudsStats kept = api.options_.kept->stats();
             api.metrics_.setKeptClouds(kept.bytes, kept.limit, kept.evicted);
         }
+        if (api.options_.remote) api.metrics_.setRemote(api.options_.remote->stats());
         api.metrics_.setMemory(api.options_.memory);
         api.metrics_.setQueues(api.scheduler_.queues());
         api.metrics_.setRenderSaturation(api.scheduler_.saturation());

@@ -37,8 +37,9 @@ struct ApiOptions {
     std::string version;
     std::uint64_t maxPixels = 0;  ///< of a picture
     OriginRules origins;
-    std::shared_ptr<BlockCache> cache{};  ///< for /metrics; may be empty
-    std::shared_ptr<KeptClouds> kept{};   ///< the same
+    std::shared_ptr<BlockCache> cache{};    ///< for /metrics; may be empty
+    std::shared_ptr<KeptClouds> kept{};     ///< the same
+    std::shared_ptr<RemoteFiles> remote{};  ///< the same
     AccessTokens tokens{};
     Rates rates = shippedRates();
     CostLimits costs{};

@@ -131,7 +131,11 @@ class FakeSession {
       this.socket.sendText(JSON.stringify({ type: 'problem', problem: unknown }));
       return;
     }
-    if (message.type === 'hello') this.greet(message);
+    if (message.type === 'hello') {
+      // At a server that takes its time; meanwhile the page may be drawn for by another one.
+      if (message.resume && this.server.holdsHello) this.server.holdsHello.then(() => this.greet(message));
+      else this.greet(message);
+    }
     if (message.type === 'view') this.change(message);
     if (message.type === 'ack') {
       this.acked = Math.max(this.acked, message.frame);
@@ -153,6 +157,7 @@ class FakeSession {
       type: 'welcome', session: 'test', resume: `token-${this.server.received.filter(({ type }) => type === 'hello').length}`, resumed: Boolean(resume && view), seq: this.seq, cloud: this.cloud.id, methods: methods.map((method) => method.name),
       limits: { maxMessageBytes: 65536, maxPixels: 8_300_000, maxUnacknowledged: 2 }, view: this.view,
     }));
+    if (this.server.showsAtOnce) this.send(true);
     this.want(false);
   }
 
@@ -250,6 +255,8 @@ export class FakeServer {
   #snapshots = 0;
   damaged = false; // blocks of its clouds cannot be read
   knowsDepth = true; // else it refuses that word, as older servers do
+  holdsHello; // a promise: who comes back is welcomed when it resolves
+  showsAtOnce = false; // a frame of the view of the hello comes right behind the welcome
   refusedStreams = 0; // so many are answered 503 from now on
   token = ''; // asked for, when there is one
   guestLink = ''; // what stands in the link of a guest, whose pass is the token

@@ -8,6 +8,7 @@ const guid = '258EAFA5-E914-47DA-95CA-C5AB0DC85B11';
 export class TestSocket {
   onText = () => {};
   onClose = () => {};
+  closeCode; // that the client has sent
   #socket;
   #pending = Buffer.alloc(0);
 
@@ -70,7 +71,10 @@ export class TestSocket {
       const payload = Buffer.from(all.subarray(offset, offset + length)).map((byte, i) => byte ^ mask[i & 3]);
       this.#pending = all.subarray(offset + length);
       if ((all[0] & 15) === 1) this.onText(Buffer.from(payload).toString());
-      if ((all[0] & 15) === 8) this.#socket.end();
+      if ((all[0] & 15) === 8) {
+        this.closeCode = payload.length >= 2 ? payload.readUInt16BE(0) : 1005;
+        this.#socket.end();
+      }
     }
   }
 }

@@ -37,14 +37,14 @@ class ReplicasProgramTest : public ProgramTest {
                                            file("key"), "--memory-limit", "512M"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         Replica made{std::make_unique<Process>(own, arguments)};
-        waitUntil([&] {
+        const bool isReady = waitUntil([&] {
             const std::string out = made.process->out();
             const auto at = out.find("http://127.0.0.1:");
             if (at == std::string::npos || out.find('\n', at) == std::string::npos) return false;
             made.port = std::uint16_t(std::stoi(out.substr(at + 17)));
             return request(made.port, "/readyz").status == 200;
         });
-        EXPECT_NE(made.port, 0) << made.process->err();
+        EXPECT_TRUE(isReady) << made.process->err();
         return made;
     }
     static bool waitUntil(const std::function<bool()>& condition) {
@@ -110,6 +110,8 @@ TEST_F(ReplicasProgramTest, SigtermLetsClientsGoFirst) {
     receiveFinal(stream, 0, shown);
     leaving.process->signal(SIGTERM);
     EXPECT_EQ(next(stream, "drain")["withinMilliseconds"], 50'000);
+    leaving.process->signal(SIGHUP);
+    EXPECT_TRUE(waitUntil([&] { return leaving.process->err().find("Reloaded: ") != std::string::npos; }));
     EXPECT_EQ(request(leaving.port, "/readyz").status, 503);
     EXPECT_THAT(request(leaving.port, "/metrics").body,
                 AllOf(HasSubstr("\nscancast_draining 1\n"), HasSubstr("\nscancast_sessions 1\n"),

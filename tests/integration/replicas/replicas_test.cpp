@@ -101,6 +101,31 @@ TEST_F(ReplicasTest, WithoutASharedKeyItIsANewSessionThatShowsTheSame) {
     EXPECT_TRUE(there.finalFrame(5));
 }
 
+TEST_F(ReplicasTest, TokensOfAServersOwnKeyOutliveAReload) {
+    start();
+    StreamClient client(port());
+    const json welcome = client.greet({{"cloud", "two"}});
+    server->replaceTokens(options.tokens);  // as SIGHUP does, whether or not the files have changed
+    client.socket.socket().abort();
+    StreamClient back(port());
+    EXPECT_EQ(back.greet({{"resume", welcome["resume"]}})["resumed"], true);
+}
+
+TEST_F(ReplicasTest, TheLargestViewThereIsFitsIntoAHello) {
+    startBoth();
+    StreamClient client(port());
+    const json welcome = client.greet({{"cloud", "two"}});
+    json hello = helloAgain(welcome["resume"], 5, 90);
+    hello["view"]["method"] = "auto";
+    json& parameters = hello["view"]["param"] = json::object();
+    for (int i = 10; i < 10 + 64; ++i)
+        parameters[std::string(62, 'p') + std::to_string(i)] = std::string(256, 'v');
+    for (int i = 0; i < 256; ++i) hello["view"]["classes"].push_back(i);
+    ASSERT_GT(hello.dump().size(), 20'000U);
+    StreamClient there(other->port());
+    EXPECT_EQ(there.greet(hello)["resumed"], true);
+}
+
 TEST_F(ReplicasTest, WhatIsTamperedWithExpiredOrAnothersIsANewSession) {
     options.tokens.users = {{"anna", annasToken}, {"berta", bertasToken}};
     startBoth();

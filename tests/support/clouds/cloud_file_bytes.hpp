@@ -15,7 +15,7 @@
 #include "renderer/cloud/file/cloud_file_writer.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
-#include "renderer/cloud/file/random_reader.hpp"
+#include "files/random_reader.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 

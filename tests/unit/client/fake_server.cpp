@@ -55,6 +55,7 @@ class Peer : public FakePeer {
         Code ignored;
         socket_.ping({}, ignored);
     }
+    std::uint16_t closeCode() const override { return socket_.reason().code; }
 
   private:
     websocket::stream<tcp::socket>& socket_;

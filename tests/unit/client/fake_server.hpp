@@ -31,6 +31,8 @@ class FakePeer {
     virtual bool sendBinary(const Bytes& bytes) = 0;
     virtual void close(std::uint16_t code, const std::string& reason) = 0;
     virtual void ping() = 0;
+    /// That the client has sent; 0 = none.
+    virtual std::uint16_t closeCode() const = 0;
 };
 
 class FakeServer {

@@ -156,7 +156,9 @@ TEST(LiveStream, MovesToAnotherServerBeforeTheFirstOneIsGone) {
              peer.sendText(printMessage(messages::Drain{1, 60'000}));
              while (!taken && peer.readText(text)) {
              }
-             diary.note("first is over");
+             while (peer.readText(text)) {
+             }
+             diary.note("first is over " + std::to_string(peer.closeCode()));
          },
          [&](FakePeer& peer) {
              std::string text;
@@ -179,7 +181,7 @@ TEST(LiveStream, MovesToAnotherServerBeforeTheFirstOneIsGone) {
     stream.show(viewOf(100));
     EXPECT_TRUE(diary.saw("hello t1 of town seq 1 frame 1 width 100")) << diary.all();
     EXPECT_TRUE(diary.saw("connected s1 resumed")) << diary.all();
-    EXPECT_TRUE(diary.saw("first is over")) << diary.all();
+    EXPECT_TRUE(diary.saw("first is over 1000")) << diary.all();
     stream.show(viewOf(101));
     EXPECT_TRUE(diary.saw("view 2 width 101")) << diary.all();
     EXPECT_EQ(diary.all().find("lost"), std::string::npos) << diary.all();
@@ -210,6 +212,32 @@ TEST(LiveStream, AnOlderServerIsToldTheViewAfterwards) {
     stream.show(viewOf(100));
     EXPECT_TRUE(diary.saw("hello t1 null")) << diary.all();
     EXPECT_TRUE(diary.saw("view 1 width 100")) << diary.all();
+}
+
+// It knows such hellos; only the view itself is nothing for it, now.
+TEST(LiveStream, AViewThatIsRefusedIsSaidAgainTheNextTime) {
+    Diary diary;
+    const auto session = [&](bool stays) {
+        return [&diary, stays](FakePeer& peer) {
+            messages::Hello hello;
+            if (!test::welcome(peer, "s1", "t", &hello)) return;
+            diary.note(stays ? "last " + hello.view["width"].dump() : "hello " + hello.view.dump());
+            std::string text;
+            peer.readText(text);
+            if (stays) listen(peer, diary);
+        };
+    };
+    const auto refuses = [](FakePeer& peer) {
+        std::string text;
+        if (!peer.readText(text)) return;
+        Error error{ErrorCode::InvalidArgument, "param.gain: not with this cloud", "param.gain"};
+        peer.sendText(printMessage(messages::ProblemReport{{}, problemOf(error)}));
+    };
+    const FakeServer fake(inTurn({session(false), refuses, session(false), session(true)}));
+    LiveStream stream(fake.url(), {}, listenerOf(diary), quick());
+    stream.show(viewOf(100));
+    EXPECT_TRUE(diary.saw("hello null")) << diary.all();
+    EXPECT_TRUE(diary.saw("last 100")) << diary.all();
 }
 
 TEST(LiveStream, AnotherSessionIsNoResumedOne) {

@@ -172,6 +172,7 @@ inline void findSamples(const SplatPass& pass, const SampleTable& table, const K
         if (static_cast<std::int32_t>(keys[i] >> 32) >= infiniteOrder) continue;
         const std::uint32_t ordinal = static_cast<std::uint32_t>(keys[i]);
         const SplatRun& run = runOf(table, ordinal);
+        if (run.samples == nullptr) continue;  // somebody else's (pass_reduction.hpp)
         const std::uint32_t at = ordinal - run.firstOrdinal;
         __builtin_prefetch(run.samples + at);
         if (pass.curved && run.beside != nullptr) __builtin_prefetch(run.beside + at);

@@ -208,6 +208,35 @@ TEST_F(LoaderTest, OtherFilesAreServedFromNowOn) {
     EXPECT_EQ(done.added + done.removed + done.tried, 0U);
 }
 
+TEST_F(LoaderTest, WhatOthersRemovedOrCouldNotBeReadMayBeLeftAsItIs) {
+    const fs::path ground = folder_ / "ground.xyz", late = folder_ / "late.xyz", more = folder_ / "more.xyz";
+    fs::create_directory(folder_ / "other");
+    const fs::path other = folder_ / "other" / "ground.xyz";
+    Loader loader({ground, late}, catalog_, options());
+    awaitEnd(loader);
+    EXPECT_EQ(catalog_.find("late")->state, CloudState::Failed);
+    ASSERT_TRUE(catalog_.remove("ground")) << "by an administrator";
+    for (const fs::path& copy : {late, more, other}) fs::copy_file(ground, copy);
+    Loader::Changes done = loader.serve({ground, late, more}, Loader::Again::Leave);
+    awaitEnd(loader);
+    EXPECT_EQ(done.added, 1U);
+    EXPECT_EQ(done.tried, 0U);
+    EXPECT_FALSE(catalog_.find("ground"));
+    EXPECT_EQ(catalog_.find("late")->state, CloudState::Failed);
+    EXPECT_EQ(catalog_.find("more")->state, CloudState::Ready);
+    // Another file takes the name that is free; what goes with the first one is not the other's.
+    loader.serve({ground, late, more, other}, Loader::Again::Leave);
+    awaitEnd(loader);
+    ASSERT_TRUE(catalog_.find("ground"));
+    loader.serve({late, more, other}, Loader::Again::Leave);
+    EXPECT_TRUE(catalog_.find("ground"));
+    done = loader.serve({late, more, other, ground});
+    awaitEnd(loader);
+    EXPECT_EQ(done.tried, 1U);
+    EXPECT_EQ(catalog_.find("late")->state, CloudState::Ready);
+    EXPECT_TRUE(catalog_.find("ground-2"));
+}
+
 TEST_F(LoaderTest, WhatAnAdministratorAddedUnderTheNameOfOneThatHeRemovedIsHis) {
     Loader loader({folder_ / "ground.xyz"}, catalog_, options());
     awaitEnd(loader);

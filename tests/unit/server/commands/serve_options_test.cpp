@@ -203,6 +203,14 @@ TEST(ServeOptions, TokensComeFromFilesAndDiffer) {
     const auto same = accessTokens(parsed({"a.las", "--auth-token-file", user, "--admin-token-file", user}));
     ASSERT_FALSE(same);
     EXPECT_THAT(same.error().message, ::testing::Not(::testing::HasSubstr("q7Rf")));
+    for (const char* other : {"--auth-token-file", "--admin-token-file", "--guest-key-file"}) {
+        const auto twice = accessTokens(parsed({"a.las", other, user, "--session-key-file", user}));
+        ASSERT_FALSE(twice) << other;
+        EXPECT_EQ(twice.error().field, "session-key-file");
+        EXPECT_THAT(twice.error().message, ::testing::AllOf(::testing::HasSubstr(other),
+                                                            ::testing::Not(::testing::HasSubstr("q7Rf"))));
+    }
+    EXPECT_TRUE(accessTokens(parsed({"a.las", "--auth-token-file", user, "--session-key-file", admin})));
     const auto missing = accessTokens(parsed({"a.las", "--auth-token-file", "/no/such/file"}));
     ASSERT_FALSE(missing);
     EXPECT_THAT(missing.error().message, ::testing::StartsWith("--auth-token-file: /no/such/file"));

@@ -11,18 +11,20 @@ using std::chrono::seconds;
 
 class ResumeStoreTest : public ::testing::Test {
   protected:
-    ResumeStore::Ticket begin(const std::string& id, std::uint32_t turn = 1) {
-        auto ticket = store.open({id, "anna", turn, [this, id] { taken.insert(id); }});
+    ResumeStore::Ticket begin(const std::string& id, std::uint32_t turn = 1, ResumeStore::Key place = 0) {
+        auto ticket = store.open({id, "anna", turn, [this, id] { taken.insert(id); }, place});
         SavedSession session;
         session.id = id;
         store.keep(ticket->key, session);
         return *ticket;
     }
 
-    /// What is remembered of it.
+    /// What is remembered of it; nobody goes on with it then.
     std::optional<SavedSession> saved(const std::string& token, ResumeStore::Time at) {
         auto resumed = store.resume(token, "anna", at);
-        return resumed ? std::move(resumed->saved) : std::nullopt;
+        if (!resumed) return std::nullopt;
+        store.forget(resumed->place);
+        return std::move(resumed->saved);
     }
     ResumeOptions optionsOfTests() {
         return {.lifetime = seconds(60), .mostAway = 3, .unixTime = [this] { return unixTime; }};
@@ -88,6 +90,17 @@ TEST_F(ResumeStoreTest, AServerOfTheSameKeyBelievesIt) {
     EXPECT_FALSE(other.resume(a.token, "anna", now)) << "that key was taken away";
 }
 
+// Files are read anew without any of them naming a key: who is connected still holds a token of before.
+TEST_F(ResumeStoreTest, ItsOwnKeyStaysTheSame) {
+    const auto a = begin("a"), b = begin("b");
+    store.setKeys({});
+    EXPECT_TRUE(saved(a.token, now));
+    store.setKeys({"k"});
+    EXPECT_FALSE(saved(b.token, now));
+    store.setKeys({});
+    EXPECT_TRUE(saved(b.token, now));
+}
+
 TEST_F(ResumeStoreTest, ATokenExpires) {
     ResumeStore other(optionsOfTests());
     other.setKeys({"k"});
@@ -104,8 +117,10 @@ TEST_F(ResumeStoreTest, ATokenExpires) {
 TEST_F(ResumeStoreTest, AReplayIsGoodForNothingWhereTheSessionIs) {
     const auto first = begin("a");
     store.leave(first.key, now);
-    ASSERT_TRUE(saved(first.token, now));
-    const auto second = begin("a", 2);
+    const auto resumed = store.resume(first.token, "anna", now);
+    ASSERT_TRUE(resumed);
+    EXPECT_FALSE(store.resume(first.token, "anna", now)) << "another one goes on with it, in this moment";
+    const auto second = begin("a", 2, resumed->place);
     EXPECT_FALSE(store.resume(first.token, "anna", now));
     EXPECT_TRUE(taken.empty()) << "who goes on with the session does not notice";
     EXPECT_TRUE(store.resume(second.token, "anna", now));
@@ -123,7 +138,7 @@ TEST_F(ResumeStoreTest, ASessionThatComesBackFromElsewhereIsNotWhatItWas) {
     EXPECT_EQ(back->turn, 2U);
     EXPECT_FALSE(back->saved) << "what this server remembers is older than what the other showed";
     EXPECT_EQ(taken, std::set<std::string>{"a"});
-    EXPECT_EQ(store.size(), 0U);
+    EXPECT_EQ(store.size(), 1U) << "the place of who has come back";
     EXPECT_FALSE(store.resume(first.token, "anna", now)) << "its key is gone, too";
 }
 

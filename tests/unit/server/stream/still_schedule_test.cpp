@@ -30,6 +30,19 @@ TEST_F(StillPlanTest, OfAViewThatLacksNothingTheFinalOneComesAfterTheQuiet) {
     EXPECT_FALSE(idle(start + 1h));
 }
 
+TEST_F(StillPlanTest, AFinalOneWhoseBlocksCannotBeHadNowIsOrderedAgainLater) {
+    schedule.begin(true, start);
+    schedule.ordered(Still::Final);
+    schedule.away(start + 1s);
+    EXPECT_FALSE(idle(start + 2999ms));
+    EXPECT_EQ(idle(start + 3s), Still::Final);
+    schedule.ordered(Still::Final);
+    EXPECT_FALSE(idle(start + 1h));
+    schedule.away(start + 4s);
+    schedule.begin(false, start + 5s);
+    EXPECT_EQ(idle(start + 5150ms), Still::Final) << "another view does not wait for that";
+}
+
 TEST_F(StillPlanTest, AnotherViewBeginsAnew) {
     schedule.begin(false, start);
     schedule.ordered(Still::Final);

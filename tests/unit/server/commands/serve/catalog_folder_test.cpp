@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <fstream>
 #include <iterator>
 
@@ -33,7 +37,7 @@ class CatalogFolderTest : public ::testing::Test {
     void write(const std::string& name, const std::string& content) const {
         std::ofstream(at(name), std::ios::binary | std::ios::trunc) << content;
     }
-    bool look() { return catalog.look(now += CatalogFolder::interval); }
+    bool look() { return catalog.look(most); }
     std::vector<std::string> names() const {
         std::vector<std::string> names;
         for (const fs::path& file : catalog.files()) names.push_back(file.filename().string());
@@ -43,8 +47,8 @@ class CatalogFolderTest : public ::testing::Test {
     const TemporaryFolder folder;
     std::string bytes;
     std::vector<std::string> notes;
-    CatalogFolder catalog{folder / "clouds", 3, [this](const std::string& note) { notes.push_back(note); }};
-    CatalogFolder::Time now{std::chrono::hours(1)};
+    CatalogFolder catalog{folder / "clouds", [this](const std::string& note) { notes.push_back(note); }};
+    std::size_t most = 3;
 };
 
 TEST_F(CatalogFolderTest, CloudsComeAndGo) {
@@ -55,7 +59,6 @@ TEST_F(CatalogFolderTest, CloudsComeAndGo) {
     EXPECT_THAT(names(), ElementsAre("a.cloud", "b.scan"));
     EXPECT_FALSE(look()) << "nothing is new";
     fs::remove(at("a.cloud"));
-    EXPECT_FALSE(catalog.look(now)) << "it has just been looked at";
     EXPECT_TRUE(look());
     EXPECT_THAT(names(), ElementsAre("b.scan"));
     EXPECT_THAT(notes, IsEmpty());
@@ -66,15 +69,17 @@ TEST_F(CatalogFolderTest, WhatIsHalfWrittenIsNotShown) {
         write("a.scan", bytes.substr(0, part));
         EXPECT_FALSE(look()) << part;
     }
-    EXPECT_THAT(notes.back(), HasSubstr("not served until it is whole"));
-    const std::size_t told = notes.size();
-    look();
-    EXPECT_EQ(notes.size(), told) << "once for each file as it is";
+    EXPECT_THAT(notes, ElementsAre(HasSubstr("a.scan is not served until it is whole: ")))
+        << "once, however often it has grown";
     write("a.scan", bytes);
     EXPECT_TRUE(look());
     EXPECT_THAT(names(), ElementsAre("a.scan"));
     write("a.scan", bytes.substr(0, 100));
     EXPECT_FALSE(look()) << "what becomes of its content is the watch's to say";
+    fs::remove(at("a.scan"));
+    EXPECT_TRUE(look());
+    write("a.scan", bytes.substr(0, 100));
+    EXPECT_FALSE(look()) << "another file has taken the name, and is judged anew";
 }
 
 TEST_F(CatalogFolderTest, OnlyCloudFilesThatAreMeantToBeSeen) {
@@ -87,6 +92,40 @@ TEST_F(CatalogFolderTest, OnlyCloudFilesThatAreMeantToBeSeen) {
     EXPECT_TRUE(look());
     EXPECT_THAT(names(), ElementsAre("linked.scan"));
     EXPECT_THAT(notes, ElementsAre(HasSubstr("c.scan is not served: it is no cloud file")));
+}
+
+TEST_F(CatalogFolderTest, WhatCannotBeReadIsToldOnceAndTriedAgain) {
+    fs::create_symlink("a.scan", at("a.scan"));  // and not one without permissions, which root may read
+    EXPECT_FALSE(look());
+    EXPECT_FALSE(look());
+    EXPECT_THAT(notes, ElementsAre(HasSubstr("a.scan is not served until it can be read: ")));
+    fs::remove(at("a.scan"));
+    write("a.scan", bytes);
+    EXPECT_TRUE(look());
+    EXPECT_THAT(names(), ElementsAre("a.scan"));
+}
+
+// That this process has no descriptor left says nothing of the file.
+TEST_F(CatalogFolderTest, WhatThereWereNoDescriptorsForIsLookedAtAgain) {
+    write("a.scan", bytes);
+    write("b.scan", bytes.substr(0, bytes.size() / 2));
+    rlimit before{};
+    ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+    const int listing = ::open(at("").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    ASSERT_GE(listing, 0);
+    ::close(listing);
+    // Room for the listing, which is closed before files are opened; then for a file, and none for sharing it.
+    rlimit few = before;
+    few.rlim_cur = rlim_t(listing) + 1;
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+    const bool isOther = look();
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+    EXPECT_FALSE(isOther);
+    EXPECT_THAT(notes, ElementsAre(HasSubstr("a.scan is not served until it can be read: "),
+                                   HasSubstr("b.scan is not served until it can be read: ")));
+    EXPECT_TRUE(look());
+    EXPECT_THAT(names(), ElementsAre("a.scan"));
+    EXPECT_THAT(notes.back(), HasSubstr("b.scan is not served until it is whole: "));
 }
 
 TEST_F(CatalogFolderTest, AnIdIsOneFilesWhateverCameFirst) {
@@ -102,7 +141,14 @@ TEST_F(CatalogFolderTest, NoMoreThanMayBe) {
     for (const char* name : {"1.scan", "2.scan", "3.scan", "4.scan", "5.scan"}) write(name, bytes);
     EXPECT_TRUE(look());
     EXPECT_EQ(names().size(), 3U);
-    EXPECT_THAT(notes, ElementsAre(HasSubstr("2 clouds are not served, because --max-clouds is 3")));
+    EXPECT_THAT(notes,
+                ElementsAre(HasSubstr("2 clouds are not served, because --max-clouds leaves room for 3")));
+    most = 1;
+    EXPECT_TRUE(look());
+    EXPECT_THAT(names(), ElementsAre("1.scan"));
+    most = 5;
+    EXPECT_TRUE(look());
+    EXPECT_EQ(names().size(), 5U);
 }
 
 TEST_F(CatalogFolderTest, AFolderThatIsAwayTakesNothingAway) {

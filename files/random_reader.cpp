@@ -1,4 +1,4 @@
-#include "renderer/cloud/file/random_reader.hpp"
+#include "files/random_reader.hpp"
 
 #include <sys/stat.h>
 

@@ -1,0 +1,190 @@
+#include "ranks/draw/packed_drawing.hpp"
+
+#include <cstring>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+namespace scancast {
+namespace {
+
+class Packer {
+  public:
+    template <class T>
+    void put(const T& value) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        putBytes(&value, sizeof value);
+    }
+    template <class T>
+    void putAll(std::span<const T> values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        put(std::uint64_t(values.size()));
+        putBytes(values.data(), values.size_bytes());
+    }
+    void putText(std::string_view text) { putAll(std::span<const char>(text)); }
+    RankBytes bytes;
+
+  private:
+    void putBytes(const void* from, std::size_t size) {
+        const std::size_t at = bytes.size();
+        bytes.resize(at + size);
+        if (size > 0) std::memcpy(bytes.data() + at, from, size);
+    }
+};
+
+class Unpacker {
+  public:
+    explicit Unpacker(std::span<const std::byte> bytes) : left_(bytes) {}
+
+    template <class T>
+    void get(T& value) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        getBytes(&value, sizeof value);
+    }
+    template <class T>
+    void getAll(std::vector<T>& values) {
+        std::uint64_t count = 0;
+        get(count);
+        if (count > left_.size() / sizeof(T)) return fail();
+        values.resize(count);
+        getBytes(values.data(), count * sizeof(T));
+    }
+    void getText(std::string& text) {
+        std::vector<char> all;
+        getAll(all);
+        text.assign(all.begin(), all.end());
+    }
+    /// Everything that was asked for was there, and nothing else.
+    bool sound() const { return !failed_ && left_.empty(); }
+    bool failed() const { return failed_; }
+    void fail() { failed_ = true; }
+
+  private:
+    void getBytes(void* to, std::size_t size) {
+        if (size > left_.size()) return fail();
+        if (size > 0) std::memcpy(to, left_.data(), size);
+        left_ = left_.subspan(size);
+    }
+    std::span<const std::byte> left_;
+    bool failed_ = false;
+};
+
+/// Of a run, what devices look at.
+struct PackedRun {
+    std::uint32_t node = 0, firstOrdinal = 0;
+    double share = 1;
+};
+
+/// Of a drawing, what is a value.
+struct PackedFlags {
+    bool surfels, oriented, orientedNodes, curvatures, depth, sun;
+    std::uint32_t cuts;
+    ColorRule color;
+    Background background;
+    Window window;
+};
+
+void pack(const CutView& view, Packer& out) {
+    out.put(view.viewpoint);
+    out.put(view.filter.classes);
+    out.put(view.filter.clip);
+    out.put(view.filter.outliers);
+    out.putAll(std::span<const Region>(view.filter.dropped));
+    out.put(view.glass);
+    out.put(view.cut.samples);
+    out.put(view.cut.beside);
+    std::vector<PackedRun> runs;
+    runs.reserve(view.cut.runs.size());
+    for (const CutRun& run : view.cut.runs) runs.push_back({run.nodeIndex, run.firstOrdinal, run.share});
+    out.putAll(std::span<const PackedRun>(runs));
+}
+
+void unpack(Unpacker& in, CutView& view) {
+    in.get(view.viewpoint);
+    in.get(view.filter.classes);
+    in.get(view.filter.clip);
+    in.get(view.filter.outliers);
+    in.getAll(view.filter.dropped);
+    in.get(view.glass);
+    in.get(view.cut.samples);
+    in.get(view.cut.beside);
+    std::vector<PackedRun> runs;
+    in.getAll(runs);
+    for (const PackedRun& packed : runs) {
+        CutRun& run = view.cut.runs.emplace_back();
+        run.nodeIndex = packed.node;
+        run.firstOrdinal = packed.firstOrdinal;
+        run.share = packed.share;
+    }
+}
+
+}  // namespace
+
+RankBytes packDrawing(const CloudPlace& cloud, const Drawing& drawing) {
+    Packer out;
+    out.putText(cloud.path);
+    out.putText(cloud.revision);
+    out.put(PackedFlags{drawing.surfels, drawing.oriented, drawing.orientedNodes, drawing.curvatures,
+                        drawing.depth, drawing.sun != nullptr, std::uint32_t(drawing.cuts.size()),
+                        drawing.color, drawing.background, drawing.window});
+    out.putAll(drawing.passes);
+    out.putAll(drawing.jitter);
+    for (const CutView& view : drawing.cuts) pack(view, out);
+    if (drawing.sun != nullptr) pack(*drawing.sun, out);
+    return std::move(out.bytes);
+}
+
+Expected<std::unique_ptr<UnpackedDrawing>> unpackDrawing(std::span<const std::byte> bytes) {
+    auto out = std::make_unique<UnpackedDrawing>();
+    Unpacker in(bytes);
+    in.getText(out->cloud.path);
+    in.getText(out->cloud.revision);
+    PackedFlags flags{};
+    in.get(flags);
+    in.getAll(out->passes);
+    in.getAll(out->jitter);
+    for (std::uint32_t i = 0; i < flags.cuts && !in.failed(); ++i) unpack(in, out->cuts.emplace_back());
+    if (flags.sun && !in.failed()) unpack(in, out->sun.emplace());
+    for (const Pass& pass : out->passes)
+        if (pass.index() >= std::variant_size_v<Pass>) in.fail();
+    if (!in.sound() || out->cuts.empty())
+        return fail(ErrorCode::Internal,
+                    "What a rank was told to draw is no drawing; are all ranks of one version?");
+    Drawing& d = out->drawing;
+    d.cuts = out->cuts;
+    if (out->sun) d.sun = &*out->sun;
+    d.surfels = flags.surfels;
+    d.oriented = flags.oriented;
+    d.orientedNodes = flags.orientedNodes;
+    d.curvatures = flags.curvatures;
+    d.depth = flags.depth;
+    d.color = flags.color;
+    d.background = flags.background;
+    d.window = flags.window;
+    d.passes = out->passes;
+    d.jitter = out->jitter;
+    return out;
+}
+
+std::vector<CutView*> UnpackedDrawing::allCuts() {
+    std::vector<CutView*> all;
+    for (CutView& view : cuts) all.push_back(&view);
+    if (sun) all.push_back(&*sun);
+    return all;
+}
+
+Expected<void> UnpackedDrawing::findNodes(const Octree& octree) {
+    for (CutView* const view : allCuts()) {
+        view->cut.source = octree.source();
+        for (CutRun& run : view->cut.runs) {
+            if (run.nodeIndex >= octree.nodes().size())
+                return fail(
+                    ErrorCode::InvalidArgument,
+                    cloud.path + " has other nodes on one of the ranks; it must be the same file on all.");
+            run.node = &octree.node(run.nodeIndex);
+        }
+    }
+    return {};
+}
+
+}  // namespace scancast

@@ -1,0 +1,130 @@
+#include "remote/remote_files.hpp"
+
+#include <future>
+#include <utility>
+
+namespace scancast {
+namespace {
+
+class SharedReader final : public RandomReader {
+  public:
+    explicit SharedReader(std::shared_ptr<const RemoteFile> file) : file_(std::move(file)) {}
+    std::uint64_t size() const override { return file_->size(); }
+    Expected<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> into) const override {
+        return file_->readAt(offset, into);
+    }
+    void expect(std::uint64_t offset, std::uint64_t bytes) const override { file_->expect(offset, bytes); }
+    bool forget(std::uint64_t offset, std::uint64_t bytes) const override {
+        return file_->forget(offset, bytes);
+    }
+    bool isRemote() const override { return true; }
+
+  private:
+    const std::shared_ptr<const RemoteFile> file_;
+};
+
+Error errorOf(const Fault& fault, const std::string& shown) {
+    ErrorCode code = ErrorCode::Unavailable;
+    if (fault.kind == Fault::Kind::Unsuitable) code = ErrorCode::Unsupported;
+    if (fault.kind == Fault::Kind::Refused)
+        code = fault.text.find("no such object") != std::string::npos ? ErrorCode::NotFound : ErrorCode::Io;
+    return {code, shown + ": " + fault.text, {}};
+}
+
+}  // namespace
+
+struct RemoteFiles::Changes {
+    std::mutex mutex;
+    std::function<void()> tell;
+};
+
+RemoteFiles::RemoteFiles(RemoteOptions options)
+    : options_(std::move(options)), changes_(std::make_shared<Changes>()) {}
+
+RemoteFiles::~RemoteFiles() {
+    if (options_.stopsWithOwner) stop();
+}
+
+Expected<std::shared_ptr<RemoteCommons>> RemoteFiles::commons() {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return fail(ErrorCode::Cancelled, "This program is ending.");
+    if (commons_) return commons_;
+    auto made = std::make_shared<RemoteCommons>();
+    auto transfers = Transfers::create(options_.transfers);
+    if (!transfers) return passOn(std::move(transfers));
+    made->transfers = std::move(*transfers);
+    if (!options_.folder.empty()) {
+        auto folder = PieceFolder::open(options_.folder, options_.folderLimit);
+        if (!folder) return passOn(std::move(folder));
+        made->folder = std::move(*folder);
+    }
+    made->memory = options_.memory;
+    if (options_.reserve) made->reserved = options_.reserve(options_.memory);
+    made->requestsAtOnce = options_.requestsAtOnce;
+    made->tries = options_.tries;
+    made->firstProbe = options_.firstProbe;
+    made->lastProbe = options_.lastProbe;
+    made->onNote = options_.onNote;
+    made->onChanged = [changes = changes_] {
+        const std::lock_guard telling(changes->mutex);
+        if (changes->tell) changes->tell();
+    };
+    commons_ = std::move(made);
+    return commons_;
+}
+
+Expected<std::shared_ptr<RemoteFile>> RemoteFiles::open(const RemoteUrl& url) {
+    auto access = accessTo(url, options_.environment);
+    if (!access) return passOn(std::move(access));
+    auto shared = commons();
+    if (!shared) return passOn(std::move(shared));
+    const auto object = std::make_shared<const ObjectAccess>(std::move(*access));
+    // Its size comes with its first bytes: a presigned URL is for GET alone.
+    const auto first = std::make_shared<std::promise<PartOrFault>>();
+    PartAsk ask{object, 0, RemoteFile::pieceBytes};
+    ask.tries = (*shared)->tries;
+    (*shared)->transfers->start(std::move(ask),
+                                [first](PartOrFault part) { first->set_value(std::move(part)); });
+    auto start = first->get_future().get();
+    if (!start) return tl::unexpected(errorOf(start.error(), url.shown()));
+    return RemoteFile::create(std::move(*shared), object, url.identity(), std::move(*start));
+}
+
+void RemoteFiles::onChanged(std::function<void()> tell) {
+    const std::lock_guard lock(changes_->mutex);
+    changes_->tell = std::move(tell);
+}
+
+void RemoteFiles::stop() {
+    std::shared_ptr<RemoteCommons> commons;
+    {
+        const std::lock_guard lock(mutex_);
+        stopping_ = true;
+        commons = commons_;
+    }
+    if (commons) commons->transfers->stop();
+}
+
+RemoteStats RemoteFiles::stats() const {
+    const std::lock_guard lock(mutex_);
+    RemoteStats stats;
+    if (!commons_) return stats;
+    stats.transfers = commons_->transfers->stats();
+    stats.memoryHits = commons_->memoryHits;
+    stats.diskHits = commons_->diskHits;
+    stats.misses = commons_->misses;
+    stats.files = commons_->files;
+    stats.away = commons_->away;
+    if (commons_->folder) {
+        stats.brokenPieces = commons_->folder->broken();
+        stats.folderBytes = commons_->folder->bytes();
+        stats.folderLimit = commons_->folder->limit();
+    }
+    return stats;
+}
+
+std::unique_ptr<RandomReader> readerOf(std::shared_ptr<const RemoteFile> file) {
+    return std::make_unique<SharedReader>(std::move(file));
+}
+
+}  // namespace scancast

@@ -1,0 +1,21 @@
+// A cloud file behind a URL, opened: for commands, and for the loader and its watch, who have to know the object, too. Waits for
+// the network. Free function; any thread. Place: URL → **cloud file** → residency.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "remote/remote_files.hpp"
+#include "renderer/cloud/file/cloud_file.hpp"
+
+namespace scancast {
+
+struct RemoteCloud {
+    std::shared_ptr<RemoteFile> object;
+    std::shared_ptr<const CloudFile> file;
+};
+
+/// Messages name it without its query. Errors: those of RemoteUrl::parse(), RemoteFiles::open() and CloudFile::open().
+Expected<RemoteCloud> openRemoteCloud(RemoteFiles& remote, const std::string& url);
+
+}  // namespace scancast

@@ -1,0 +1,354 @@
+// Clouds in object storage, served by programs that are not ours: nginx for https:// and http://, s3rver for s3://, behind a check of
+// signatures, and a line with latency that can be cut in front of them. What is right is what the same file gives on disk.
+
+import assert from 'node:assert/strict';
+import { execFileSync, spawn, spawnSync } from 'node:child_process';
+import { createHash, createHmac } from 'node:crypto';
+import { chmodSync, copyFileSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
+import { once } from 'node:events';
+import { createServer as createHttpServer, request as httpRequest } from 'node:http';
+import { createServer } from 'node:net';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+
+import S3rver from 's3rver';
+import WebSocket from 'ws';
+
+import { RealServer } from '../browser/support/real_server.mjs';
+import { Line } from '../support/line.mjs';
+
+const program = process.env.SCANCAST_PROGRAM;
+const patienceMs = 30_000;
+const roundTripMs = 50;
+const picture = ['--width', '320', '--height', '200', '--backend', 'cpu'];
+const hasNginx = spawnSync('nginx', ['-v']).status === 0;
+const skip = hasNginx ? false : 'nginx is missing: apt-get install nginx-light';
+
+let folder, nginx, s3, line;
+
+/** Asynchronously: servers of this very process answer meanwhile. */
+async function run(words, environment = {}, command = program) {
+  const child = spawn(command, words, { env: { ...process.env, ...environment }, stdio: ['ignore', 'pipe', 'pipe'], timeout: patienceMs });
+  let said = '';
+  for (const output of [child.stdout, child.stderr]) output.on('data', (data) => { said += data; });
+  const [code] = await once(child, 'close');
+  return { code, said };
+}
+
+async function comesTrue(condition, what) {
+  const end = Date.now() + patienceMs;
+  while (!await condition()) {
+    assert.ok(Date.now() < end, `${what} within ${patienceMs} ms`);
+    await new Promise((done) => setTimeout(done, 25));
+  }
+}
+
+async function freePort() {
+  const server = createServer();
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  const { port } = server.address();
+  await new Promise((done) => server.close(done));
+  return port;
+}
+
+async function startNginx() {
+  const [plain, secure] = [await freePort(), await freePort()];
+  for (const name of ['certificate', 'logs']) mkdirSync(join(folder, name));
+  execFileSync('openssl', ['req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1', '-nodes', '-days', '2', '-subj', '/CN=localhost',
+    '-addext', 'subjectAltName=DNS:localhost', '-keyout', join(folder, 'certificate/key.pem'), '-out', join(folder, 'certificate/cert.pem')], { stdio: 'ignore' });
+  const temporary = ['client_body', 'proxy', 'fastcgi', 'uwsgi', 'scgi'].map((name) => `${name}_temp_path ${folder}/${name};`).join(' ');
+  writeFileSync(join(folder, 'nginx.conf'), `
+    daemon off; worker_processes 1; pid ${folder}/pid; error_log ${folder}/logs/error.log;
+    events { worker_connections 256; }
+    http {
+      access_log ${folder}/logs/access.log; ${temporary}
+      server {
+        listen 127.0.0.1:${plain};
+        listen 127.0.0.1:${secure} ssl http2;
+        ssl_certificate ${folder}/certificate/cert.pem; ssl_certificate_key ${folder}/certificate/key.pem;
+        root ${folder}/web;
+        location /signed/ { limit_except GET { deny all; } if ($request_method = HEAD) { return 403; } alias ${folder}/web/; }
+        location /down/ { return 302 http://127.0.0.1:${plain}/town.scan; }
+        location /moved/ { return 302 /town.scan; }
+        location /loop/ { return 302 /loop/town.scan; }
+        location /whole/ { max_ranges 0; alias ${folder}/web/; }
+      }
+    }`);
+  const child = spawn('nginx', ['-p', folder, '-c', join(folder, 'nginx.conf')], { stdio: 'ignore' });
+  await comesTrue(() => fetch(`http://127.0.0.1:${plain}/town.scan`).then((got) => got.ok, () => false), 'nginx answers');
+  return { child, plain: `http://127.0.0.1:${plain}`, secure: `https://localhost:${secure}`, port: plain };
+}
+
+/**
+ * What signs a request, by Amazon's own description ("Create a signed AWS API request"): s3rver looks whether there is such an account,
+ * and does not reckon this.
+ */
+function signatureOf(request, { scope, signed }, secret) {
+  const hash = (text) => createHash('sha256').update(text).digest('hex');
+  const mac = (key, text) => createHmac('sha256', key).update(text).digest();
+  const { pathname, search } = new URL(request.url, 'http://x');
+  const headers = signed.split(';').map((name) => `${name}:${request.headers[name].trim()}\n`).join('');
+  const canonical = [request.method, pathname, search.slice(1), headers, signed, request.headers['x-amz-content-sha256']].join('\n');
+  const toSign = ['AWS4-HMAC-SHA256', request.headers['x-amz-date'], scope, hash(canonical)].join('\n');
+  const key = scope.split('/').reduce(mac, `AWS4${secret}`);
+  return mac(key, toSign).toString('hex');
+}
+
+/** Lets signed requests through to `port`, and no others. */
+async function startSignatureCheck(port) {
+  const server = createHttpServer((request, response) => {
+    const [, scope, signed, signature] =
+      /^AWS4-HMAC-SHA256 Credential=[^/]+\/([^,]+), *SignedHeaders=([^,]+), *Signature=([0-9a-f]+)$/.exec(request.headers.authorization ?? '') ?? [];
+    if (!signature || !signed.split(';').includes('host') || signatureOf(request, { scope, signed }, 'S3RVER') !== signature) {
+      response.writeHead(403).end('<Error><Code>SignatureDoesNotMatch</Code></Error>');
+      return;
+    }
+    const onward = httpRequest({ port, host: '127.0.0.1', method: request.method, path: request.url, headers: request.headers }, (answer) => {
+      response.writeHead(answer.statusCode, answer.headers);
+      answer.pipe(response);
+    });
+    request.pipe(onward);
+  });
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  server.unref();
+  return server;
+}
+
+async function startS3() {
+  const directory = join(folder, 's3');
+  mkdirSync(directory);
+  const server = new S3rver({ port: 0, address: '127.0.0.1', silent: true, directory, configureBuckets: [{ name: 'scans', configs: [] }] });
+  const check = await startSignatureCheck((await server.run()).port);
+  const { port } = check.address();
+  const environment = {
+    AWS_ACCESS_KEY_ID: 'S3RVER', AWS_SECRET_ACCESS_KEY: 'S3RVER', AWS_SESSION_TOKEN: '', AWS_REGION: 'us-east-1', AWS_ENDPOINT_URL: `http://127.0.0.1:${port}`,
+  };
+  // curl signs by itself what ours asks curl's library to sign.
+  const put = await run(['-sS', '--fail', '--aws-sigv4', 'aws:amz:us-east-1:s3', '--user', 'S3RVER:S3RVER',
+    '-H', 'x-amz-content-sha256: UNSIGNED-PAYLOAD', '-T', join(folder, 'web/town.scan'),
+    `http://127.0.0.1:${port}/scans/area/town.scan`], {}, 'curl');
+  assert.equal(put.code, 0, put.said);
+  return { server, check, environment };
+}
+
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'scancast-remote-'));
+  chmodSync(folder, 0o755); // nginx that root starts reads as somebody else
+  if (!hasNginx) return;
+  mkdirSync(join(folder, 'web'));
+  for (const [seed, name] of ['other', 'town'].entries()) {
+    const [scan, cloud] = [join(folder, `${name}.las`), join(folder, `web/${name}.scan`)];
+    execFileSync(program, ['generate', 'town', '--points', '600k', '--seed', String(seed + 1), '-o', scan], { stdio: 'ignore' });
+    execFileSync(program, ['ingest', scan, '-o', cloud], { stdio: 'ignore' });
+  }
+  copyFileSync(join(folder, 'web/town.scan'), join(folder, 'town.scan'));
+  nginx = await startNginx();
+  s3 = await startS3();
+  line = new Line(nginx.port, roundTripMs);
+  line.port = await line.start();
+});
+
+after(async () => {
+  line?.stop();
+  nginx?.child.kill();
+  s3?.check.closeAllConnections?.();
+  s3?.check.close();
+  s3?.server.httpServer.closeAllConnections?.();
+  await s3?.server.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+/** The picture of a cloud, as bytes. */
+async function pictureOf(cloud, environment) {
+  const file = join(folder, 'picture.png');
+  const { code, said } = await run(['render', cloud, '-o', file, ...picture], environment);
+  assert.equal(code, 0, said);
+  return readFileSync(file);
+}
+
+test('the same picture from nginx, by http and by HTTP/2 under TLS, as from the file', { skip }, async () => {
+  const expected = await pictureOf(join(folder, 'town.scan'));
+  const trusted = { SSL_CERT_FILE: join(folder, 'certificate/cert.pem') };
+  assert.ok((await pictureOf(`${nginx.plain}/town.scan`)).equals(expected));
+  assert.ok((await pictureOf(`${nginx.secure}/town.scan`, trusted)).equals(expected));
+  assert.ok((await pictureOf(`${nginx.plain}/moved/town.scan`)).equals(expected));
+  assert.match(readFileSync(join(folder, 'logs/access.log'), 'utf8'), /GET \/town\.scan HTTP\/2\.0" 206/);
+});
+
+test('who answers GET alone, and has a secret in the URL, is read, and the secret is told nobody', { skip }, async () => {
+  const signed = `${nginx.plain}/signed/town.scan?X-Amz-Signature=topsecret`;
+  const told = await run(['info', '--json', signed]);
+  assert.equal(told.code, 0, told.said);
+  assert.equal(JSON.parse(told.said).files[0].points, 600_000);
+  const wrong = await run(['info', '--json', signed.replace('town', 'nothing')]);
+  assert.equal(wrong.code, 1);
+  assert.match(wrong.said, /there is no such object/);
+  for (const words of [['serve', signed, '--check-config'], ['serve', `${signed}#x`], ['label', signed], ['ingest', signed, '-o', 'x.scan'],
+    ['look', signed, '--decide'], ['export', signed.replace('town', 'nothing'), '-o', join(folder, 'x.las')], ['render', signed, signed, '-o', 'x.png']])
+    wrong.said += (await run(words)).said;
+  assert.doesNotMatch(told.said + wrong.said, /topsecret/);
+});
+
+test('a certificate that nobody vouches for, https that leads to http, loops and servers without ranges are refused', { skip }, async () => {
+  const trusted = { SSL_CERT_FILE: join(folder, 'certificate/cert.pem') };
+  for (const [url, says, environment] of [
+    [`${nginx.secure}/town.scan`, /certificate/], [`${nginx.secure}/down/town.scan`, /https leads to https only/, trusted],
+    [`${nginx.plain}/loop/town.scan`, /redirects without an end/], [`${nginx.plain}/whole/town.scan`, /range requests/],
+    ['http://user:topsecret@127.0.0.1/town.scan', /name and password/]]) {
+    const { code, said } = await run(['info', url], environment);
+    assert.equal(code, 1);
+    assert.match(said, says);
+    assert.doesNotMatch(said, /topsecret/);
+  }
+});
+
+test('s3:// is signed, and a server that checks signatures lets nobody else in', { skip }, async () => {
+  const expected = await pictureOf(join(folder, 'town.scan'));
+  assert.ok((await pictureOf('s3://scans/area/town.scan', s3.environment)).equals(expected));
+  const forged = await run(['info', 's3://scans/area/town.scan'], { ...s3.environment, AWS_SECRET_ACCESS_KEY: 'topsecret' });
+  assert.equal(forged.code, 1);
+  assert.match(forged.said, /403 SignatureDoesNotMatch/);
+  const missing = await run(['info', 's3://scans/area/none.scan'], s3.environment);
+  assert.match(missing.said, /404 NoSuchKey/);
+  assert.doesNotMatch(forged.said + missing.said, /topsecret/);
+});
+
+test('all points come out again, with credentials in the environment alone', { skip }, async () => {
+  const files = [join(folder, 'near.las'), join(folder, 'far.las')];
+  assert.equal((await run(['export', join(folder, 'town.scan'), '-o', files[0]])).code, 0);
+  const { code, said } = await run(['export', 's3://scans/area/town.scan', '-o', files[1]], s3.environment);
+  assert.equal(code, 0, said);
+  assert.ok(readFileSync(files[1]).equals(readFileSync(files[0])));
+});
+
+// ---- served, through a line with latency
+
+/** A stream's messages, acknowledged as they come. */
+class Stream {
+  messages = [];
+
+  constructor(url, hello) {
+    this.socket = new WebSocket(`${url.replace(/^http/, 'ws')}api/v1/stream`, ['scancast.v1']);
+    this.socket.on('open', () => this.send({ type: 'hello', width: 320, height: 200, ...hello }));
+    this.socket.on('error', (error) => this.messages.push({ type: 'failed', error }));
+    this.socket.on('message', (data, binary) => {
+      if (!binary) return this.messages.push(JSON.parse(data.toString()));
+      const [id, seq] = [Number(data.readBigUInt64LE(16)), Number(data.readBigUInt64LE(24))];
+      this.messages.push({ type: 'frame', id, seq, final: (data[9] & 4) !== 0, damaged: (data[9] & 8) !== 0 });
+      this.send({ type: 'ack', frame: id });
+    });
+  }
+
+  send(message) {
+    this.socket.send(JSON.stringify(message));
+  }
+
+  frames(seq) {
+    return this.messages.filter((message) => message.type === 'frame' && message.seq === seq);
+  }
+
+  final(seq) {
+    return comesTrue(() => this.frames(seq).some((frame) => frame.final), `the final picture of view ${seq}`);
+  }
+
+  close() {
+    this.socket.terminate();
+  }
+}
+
+const closeBy = { camera: { type: 'perspective', eye: [389_480, 5_819_780, 55], target: [389_500, 5_819_800, 36], up: [0, 0, 1], fov: 40 } };
+const serveFlags = ['--backend', 'cpu', '--memory-limit', '64M'];
+const queryOf = ({ camera }) => `width=320&height=200&samples=1&eye=${camera.eye}&target=${camera.target}&up=${camera.up}&fov=${camera.fov}`;
+
+async function served(files, flags = []) {
+  const server = new RealServer(program, files, [...serveFlags, ...flags]);
+  const url = await server.start();
+  return { server, url, metrics: () => fetch(new URL('metrics', url)).then((got) => got.text()) };
+}
+
+function metric(text, name) {
+  return Number(new RegExp(`^${name.replace(/[{}"]/g, '\\$&')} (\\S+)$`, 'm').exec(text)?.[1]);
+}
+
+test('a cut line shows coarser pictures and no error; the final one comes when it is mended', { skip }, async () => {
+  const far = await served([`http://127.0.0.1:${line.port}/town.scan?X-Amz-Signature=topsecret`]);
+  const near = await served([join(folder, 'town.scan')]);
+  let stream;
+  try {
+    await comesTrue(() => fetch(new URL('readyz', far.url)).then((got) => got.ok), 'the server is ready');
+    stream = new Stream(far.url, { cloud: 'town' });
+    await stream.final(0);
+    line.cut();
+    stream.send({ type: 'view', seq: 1, ...closeBy });
+    await comesTrue(() => stream.frames(1).length > 2, 'frames');
+    await comesTrue(async () => metric(await far.metrics(), 'scancast_remote_clouds_away') === 1, 'the cloud is away');
+    const snapshot = await fetch(new URL(`api/v1/clouds/town/snapshot.png?${queryOf(closeBy)}`, far.url));
+    assert.equal(snapshot.status, 503);
+    const problem = await snapshot.text();
+    assert.match(problem, /unavailable/);
+    assert.doesNotMatch(problem, /topsecret|127\.0\.0\.1/);
+    assert.ok(!stream.frames(1).some((frame) => frame.final), 'coarser points are no final picture');
+    line.mend();
+    await stream.final(1);
+    assert.ok(!stream.frames(1).some((frame) => frame.damaged));
+    assert.deepEqual(stream.messages.filter(({ type }) => ['problem', 'failed', 'bye'].includes(type)), []);
+    const [there, here] = await Promise.all([far, near].map(async ({ url }) => {
+      const got = await fetch(new URL(`api/v1/clouds/town/snapshot.png?${queryOf(closeBy)}`, url));
+      return [got.status, Buffer.from(await got.arrayBuffer()), await (await fetch(new URL('api/v1/clouds', url))).text()];
+    }));
+    assert.equal(there[0], 200);
+    assert.ok(there[1].equals(here[1]), 'the same bytes as from the file');
+    assert.doesNotMatch(there[2], /topsecret|127\.0\.0\.1/);
+  } finally {
+    stream?.close();
+    line.mend();
+    await Promise.all([far.server.stop(), near.server.stop()]);
+  }
+});
+
+test('a server that is away at the start is waited for', { skip }, async () => {
+  line.cut();
+  const far = await served([`http://127.0.0.1:${line.port}/town.scan`]);
+  try {
+    assert.notEqual((await fetch(new URL('readyz', far.url))).status, 200);
+    line.mend();
+    await comesTrue(() => fetch(new URL('readyz', far.url)).then((got) => got.ok), 'the server is ready');
+  } finally {
+    line.mend();
+    await far.server.stop();
+  }
+});
+
+test('what was fetched is on disk; another object in its place is served instead', { skip }, async () => {
+  const cache = join(folder, 'cache');
+  mkdirSync(cache);
+  const first = async () => {
+    const { server, url, metrics } = await served([`${nginx.plain}/town.scan`], ['--cache-dir', cache, '--cache-size', '100M']);
+    await comesTrue(() => fetch(new URL('readyz', url)).then((got) => got.ok), 'the server is ready');
+    const stream = new Stream(url, { cloud: 'town' });
+    await stream.final(0);
+    return { server, url, metrics, stream };
+  };
+  const cold = await first();
+  const fetched = metric(await cold.metrics(), 'scancast_remote_bytes_total');
+  cold.stream.close();
+  await cold.server.stop();
+  const warm = await first();
+  try {
+    const text = await warm.metrics();
+    assert.ok(metric(text, 'scancast_remote_bytes_total') < fetched / 5, `${metric(text, 'scancast_remote_bytes_total')} of ${fetched}`);
+    assert.ok(metric(text, 'scancast_remote_pieces_total{found="disk"}') > 10);
+    renameSync(join(folder, 'web/other.scan'), join(folder, 'web/town.scan'));
+    const before = warm.stream.messages.length;
+    warm.stream.send({ type: 'view', seq: 1, ...closeBy }); // needs what nobody has fetched
+    const revision = async () => (await (await fetch(new URL('api/v1/clouds/town', warm.url))).json()).revision;
+    const old = await revision();
+    await comesTrue(async () => await revision() !== old, 'the other cloud');
+    await comesTrue(() => warm.stream.messages.slice(before).some((message) => message.final), 'its picture');
+    assert.deepEqual(warm.stream.messages.filter(({ type }) => ['problem', 'failed', 'bye'].includes(type)), []);
+  } finally {
+    warm.stream.close();
+    await warm.server.stop();
+  }
+});

@@ -1,0 +1,178 @@
+// mpirun -n N pictures_by_ranks CLOUD.scan: pictures of a cloud file in every method, drawn by all ranks and by rank 0 alone, have the
+// same bytes. The cloud has to show a mirror in its first view. Says how many pictures there were, or what differs (exit code 1).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <thread>
+
+#include "ranks/draw/rank_resources.hpp"
+#include "ranks/draw/ranks_device.hpp"
+#include "ranks/mpi/session.hpp"
+#include "renderer/device/cpu/cpu_device.hpp"
+#include "renderer/method/automatic.hpp"
+#include "renderer/method/method.hpp"
+#include "renderer/plan.hpp"
+#include "renderer/render.hpp"
+#include "renderer/residency/open_cloud.hpp"
+
+namespace scancast {
+namespace {
+
+constexpr std::uint64_t memory = 64 << 20;
+
+std::shared_ptr<BlockCache> cacheOf(std::uint64_t limit) {
+    BlockCacheOptions options;
+    options.memoryLimit = limit;
+    return BlockCache::create(options);
+}
+
+class Comparison {
+  public:
+    Comparison(Device& together, const Cloud& shared, Device& alone, const Cloud& whole)
+        : together_(together), shared_(shared), alone_(alone), whole_(whole) {}
+
+    void compare(const View& view, std::string_view what) {
+        ++pictures_;
+        const auto a = render(together_, shared_, view), b = render(alone_, whole_, view);
+        if (!a || !b) return fault(view, what, !a ? a.error().message : b.error().message);
+        const bool colours = std::ranges::equal(a->rgba, b->rgba);
+        const bool depths = a->depth.size() == b->depth.size() &&
+                            std::memcmp(a->depth.data(), b->depth.data(), 4 * b->depth.size()) == 0;
+        if (!colours || !depths) fault(view, what, colours ? "depths differ" : "colours differ");
+        if (b->stats.mirrorsDrawn != (view.style.mirrors ? 1u : 0u))
+            fault(view, what, "the mirror is not seen");
+        const auto seen = std::ranges::count_if(b->depth, [](float d) { return std::isfinite(d); });
+        if (seen * 20 < std::ptrdiff_t(b->depth.size())) fault(view, what, "there is nothing in the picture");
+    }
+    int pictures() const { return pictures_; }
+    int faults() const { return faults_; }
+
+  private:
+    void fault(const View& view, std::string_view what, std::string_view why) {
+        ++faults_;
+        fmt::print(stderr, "{}, {}: {}\n", view.style.method, what, why);
+    }
+    Device& together_;
+    const Cloud& shared_;
+    Device& alone_;
+    const Cloud& whole_;
+    int pictures_ = 0, faults_ = 0;
+};
+
+/// Abandoned before and while they are drawn; whoever is asked for the next one is there.
+int abandoned(Device& device, const Cloud& cloud, const View& view) {
+    int faults = 0;
+    for (int i = 0; i < 20; ++i) {
+        std::stop_source stop;
+        std::jthread hand([&] {
+            std::this_thread::sleep_for(std::chrono::microseconds(400 * i));
+            stop.request_stop();
+        });
+        const auto frame = render(device, cloud, view, {}, stop.get_token());
+        faults += !frame && frame.error().code != ErrorCode::Cancelled;
+    }
+    if (faults > 0) fmt::print(stderr, "{} abandoned pictures ended otherwise\n", faults);
+    return faults;
+}
+
+/// In its pauses another picture is drawn, by all ranks; neither shows it.
+int withinPauses(Comparison& comparison, Device& together, const Cloud& shared, Device& alone,
+                 const Cloud& whole, View view) {
+    view.width = 800;
+    view.height = 500;
+    view.style.method = "ewa";
+    View other = view;
+    other.width = 120;
+    other.height = 80;
+    int pauses = 0;
+    const Pause pause = [&] {
+        if (pauses++ < 2) comparison.compare(other, "within a pause");
+    };
+    const auto planned = plan(shared, view);
+    const auto prepared =
+        planned ? prepare(shared, *planned) : Expected<std::shared_ptr<const PreparedView>>(passOn(planned));
+    auto begun = prepared ? beginDrawing(together, **prepared, {}, Uploads::Everything, &pause)
+                          : Expected<std::unique_ptr<PendingFrame>>(passOn(prepared));
+    const auto a = begun ? (*begun)->finish() : Expected<Frame>(passOn(begun));
+    const auto b = render(alone, whole, view);
+    if (a && b && std::ranges::equal(a->rgba, b->rgba) && pauses > 0) return 0;
+    fmt::print(stderr, "a picture with {} pauses is another\n", pauses);
+    return 1;
+}
+
+Expected<int> compareAll(const Communicator& ranks, const std::string& path) {
+    const auto clouds =
+        std::make_shared<SharedClouds>(cacheOf(memory), NodeShare{0, std::uint32_t(ranks.size())});
+    const auto shared = openCloud(path, clouds);
+    if (!shared) return passOn(shared);
+    const auto whole = openCloud(path, cacheOf(memory * std::uint64_t(ranks.size())));
+    if (!whole) return passOn(whole);
+    clouds->know(**shared);
+    RankTraffic traffic;
+    auto together = createRanksDevice(ranks, clouds, 1, traffic);
+    if (!together) return passOn(together);
+    auto alone = createCpuDevice(2);
+    if (!alone) return passOn(alone);
+    Comparison comparison(**together, **shared, **alone, **whole);
+    const View first = defaultView(**whole, 211, 131);
+    for (const Method& method : methods()) {
+        View view = first;
+        view.style.method = method.name;
+        view.quality.samples = 4;
+        comparison.compare(view, "4 samples");
+        view.quality.samples = 1;
+        view.style.shading = Shading::Phong;
+        view.style.light.sun = {{200, 50}};
+        view.style.light.shadow = 0.8;
+        view.style.light.occlusion = 0.5;
+        comparison.compare(view, "lit");
+        if (method.name != "paraboloid") continue;
+        view = first;
+        view.style.method = method.name;
+        view.style.mirrors = false;
+        view.quality.samples = 1;
+        view.style.parameters["smooth"] = true;
+        comparison.compare(view, "smooth");
+    }
+    // Larger than a tile (renderer/prepare.hpp).
+    View poster = first;
+    poster.width = 2100;
+    poster.height = 60;
+    poster.quality.samples = 1;
+    comparison.compare(poster, "in tiles");
+    int faults = abandoned(**together, **shared, first);
+    comparison.compare(first, "after those that were abandoned");
+    if (ranks.size() > 1) faults += withinPauses(comparison, **together, **shared, **alone, **whole, first);
+    fmt::print("{} ranks, {} pictures, {} differ; {} bytes reduced\n", ranks.size(), comparison.pictures(),
+               comparison.faults(), traffic.bytes);
+    if (ranks.size() > 1 && traffic.bytes == 0) ++faults;
+    return faults + comparison.faults();
+}
+
+int run(const std::string& path) {
+    yieldWhileWaiting();
+    auto mpi = MpiSession::start({});
+    if (!mpi) return 1;
+    const Communicator& ranks = (*mpi)->world();
+    if (!ranks.isFirst()) {
+        const NodeShare share{std::uint32_t(ranks.rank()), std::uint32_t(ranks.size())};
+        return drawWithFirst(ranks, OpenedClouds(cacheOf(memory), share), 1) ? 0 : 1;
+    }
+    const auto faults = compareAll(ranks, path);
+    if (!faults) fmt::print(stderr, "{}\n", faults.error().message);
+    if (!letGo(ranks)) return 1;
+    return faults && *faults == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace scancast
+
+int main(int argc, char** argv) {
+    if (argc == 2) return scancast::run(argv[1]);
+    fmt::print(stderr, "pictures_by_ranks CLOUD.scan\n");
+    return 2;
+}

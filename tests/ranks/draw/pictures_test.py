@@ -1,0 +1,131 @@
+"""Pictures by ranks have the bytes of one process': in every method, of the device, of `render`, and of a server that streams.
+
+    pictures_test.py FOLDER_OF_THE_PROGRAMS FOLDER_OF_THE_TEST_PROGRAMS
+"""
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "load"))
+import serving
+
+TESTS = os.path.abspath(sys.argv.pop())
+PROGRAMS = os.path.abspath(sys.argv.pop())
+PATIENCE = 120  # seconds; only a hang takes so long
+QUERY = "width=160&height=90&samples=4&method=ewa"
+FLAGS = ["--width", "160", "--height", "90", "--samples", "4", "--method", "ewa"]
+
+
+def by_ranks(count, *command):
+    """As many as asked for, whatever there is; not as one who may not."""
+    may = ["--allow-run-as-root"] if os.geteuid() == 0 else []
+    return ["mpirun", *may, "--oversubscribe", "--bind-to", "none", "-n", str(count), *command]
+
+
+class RanksServer(serving.Server):
+    """Rank 0 is the server; its process is a child of mpirun's."""
+
+    def __init__(self, count, cloud, log):
+        self.process = subprocess.Popen(by_ranks(count, os.path.join(PROGRAMS, "scancast-ranks"), "serve", cloud, "--port", "0",
+                                                 "--threads", "1", "--memory-limit", "128M"),
+                                        stdout=subprocess.PIPE, stderr=log, text=True)
+        found = re.search(r"http://([^/:]+):(\d+)", self.process.stdout.readline())
+        if not found:
+            raise AssertionError("scancast-ranks serve said no address")
+        self.address = found.group(1), int(found.group(2))
+        self.url = "http://%s:%d" % self.address
+        self.cloud = self.wait_until_loaded()
+
+    def stop(self):
+        """As somebody does who ends rank 0's process: the others are let go, and mpirun ends well."""
+        with open(f"/proc/{self.process.pid}/task/{self.process.pid}/children") as children:
+            ranks = [int(pid) for pid in children.read().split()]
+        for pid in ranks:
+            with open(f"/proc/{pid}/environ", "rb") as environment:
+                if b"OMPI_COMM_WORLD_RANK=0\0" in environment.read():
+                    os.kill(pid, signal.SIGTERM)
+        code = self.process.wait(PATIENCE)
+        self.process.stdout.close()
+        return code
+
+
+class PicturesByRanks(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.cloud = os.path.join(cls.folder.name, "room.scan")
+        scan = os.path.join(cls.folder.name, "room.las")
+        scancast = os.path.join(PROGRAMS, "scancast")
+        quiet = {"check": True, "capture_output": True, "timeout": PATIENCE}
+        subprocess.run([scancast, "generate", "room", "--points", "400k", "-o", scan], **quiet)
+        subprocess.run([scancast, "ingest", scan, "-o", cls.cloud], **quiet)
+        cls.picture = os.path.join(cls.folder.name, "alone.png")
+        subprocess.run([scancast, "render", cls.cloud, "-o", cls.picture, "--backend", "cpu", *FLAGS], **quiet)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def alone(self):
+        with open(self.picture, "rb") as file:
+            return file.read()
+
+    def test_every_method_on_one_to_four_ranks(self):
+        for count in (1, 2, 3, 4):
+            with self.subTest(ranks=count):
+                done = subprocess.run(by_ranks(count, os.path.join(TESTS, "pictures_by_ranks"), self.cloud), timeout=PATIENCE,
+                                      capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                self.assertRegex(done.stdout, rf"{count} ranks, \d\d pictures, 0 differ")
+
+    def test_render(self):
+        output = os.path.join(self.folder.name, "together.png")
+        done = subprocess.run(by_ranks(3, os.path.join(PROGRAMS, "scancast-ranks"), "render", self.cloud, "-o", output,
+                                       "--stats", "json", *FLAGS), timeout=PATIENCE, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater(json.loads(done.stdout)["bytesReducedPerFrame"], 0)
+        with open(output, "rb") as file:
+            self.assertEqual(file.read(), self.alone())
+
+    def test_what_is_no_cloud_file_is_said_once(self):
+        done = subprocess.run(by_ranks(2, os.path.join(PROGRAMS, "scancast-ranks"), "serve",
+                                       os.path.join(self.folder.name, "room.las"), "--port", "0"),
+                              timeout=PATIENCE, capture_output=True, text=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertEqual(done.stderr.count("scancast ingest"), 1, done.stderr)
+
+    def test_a_server_shows_streams_and_picks(self):
+        with open(os.path.join(self.folder.name, "log"), "w+") as log:
+            server = RanksServer(2, self.cloud, log)
+            try:
+                status, headers, body = server.get(f"/api/v1/clouds/{server.cloud}/snapshot.png?{QUERY}")
+                self.assertEqual(status, 200, body)
+                self.assertEqual(body, self.alone())
+                picked = server.get(f"/api/v1/clouds/{server.cloud}/pick", method="POST",
+                                    body=json.dumps({"view": {"width": 160, "height": 90}, "x": 80, "y": 60}),
+                                    headers={"Content-Type": "application/json"})
+                self.assertEqual(picked[0], 200, picked)
+                self.assertIsNotNone(json.loads(picked[2]), "there is something in the middle of a room")
+                client = os.path.join(PROGRAMS, "scancast-client")
+                bench = subprocess.run([client, "bench", server.url, "--moving", "1", "--warm-up", "0", "--seconds", "1", "--width",
+                                        "160", "--height", "90"], capture_output=True, text=True,
+                                       timeout=PATIENCE)
+                self.assertEqual(bench.returncode, 0, bench.stderr)
+            finally:
+                code = server.stop()
+            log.seek(0)
+            self.assertEqual(code, 0, log.read())
+
+
+if __name__ == "__main__":
+    if not shutil.which("mpirun"):
+        print("MISSING mpirun: Debian's openmpi-bin", file=sys.stderr)
+        sys.exit(77)
+    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+    unittest.main()

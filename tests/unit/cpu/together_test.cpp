@@ -104,6 +104,53 @@ TEST_F(Together, BordersOfParaboloidsAreSmoothed) {
     }
 }
 
+/// All samples of the room in so few pixels that their sums take more than 32 bits.
+TEST_F(Together, SumsThatAreWide) {
+    View small = view("hqs");
+    small.width = 12;
+    small.height = 8;
+    small.quality.detail = 0;
+    const auto whole = prepared(small);
+    const auto alone = draw(*alone_, *whole);
+    ASSERT_TRUE(alone) << alone.error().message;
+    for (const std::uint32_t devices : {2u, 3u}) {
+        Meeting meeting(devices);
+        const auto together = drawTogether(meeting, devices, *whole, 1);
+        ASSERT_TRUE(together) << together.error().message;
+        EXPECT_GT(meeting.wideSums, 0) << "their sums fit 32 bits";
+        EXPECT_TRUE(std::ranges::equal(alone->rgba, together->rgba));
+    }
+}
+
+TEST_F(Together, FilteredAndByWhatSamplesKnow) {
+    const std::pair<const char*, void (*)(View&)> changes[] = {
+        {"classes",
+         [](View& v) {
+             v.style.classes = {{1, 2, 6}};
+         }},
+        {"clip",
+         [](View& v) {
+             v.style.clip = ClipBox{v.camera.target - 1.5, v.camera.target + 1.5};
+         }},
+        {"outliers", [](View& v) { v.style.outliers = Outliers::Show; }},
+        {"intensity", [](View& v) { v.style.byIntensity = true; }},
+        {"toned", [](View& v) { v.style.exposure = 1.5; }},
+    };
+    for (const auto& [what, change] : changes) {
+        SCOPED_TRACE(what);
+        View changed = view("ewa");
+        changed.style.mirrors = false;
+        change(changed);
+        const auto whole = prepared(changed);
+        const auto alone = draw(*alone_, *whole);
+        ASSERT_TRUE(alone) << alone.error().message;
+        Meeting meeting(3);
+        const auto together = drawTogether(meeting, 3, *whole, 1);
+        ASSERT_TRUE(together) << together.error().message;
+        EXPECT_TRUE(std::ranges::equal(alone->rgba, together->rgba));
+    }
+}
+
 /// Of so few nodes some have none.
 TEST_F(Together, WhereSomeHaveNothing) {
     for (const Method& method : methods()) {

@@ -119,14 +119,13 @@ void filtered(Comparison& comparison, const View& first) {
     plain.quality.samples = 1;
     plain.style.method = "hqs";
     View view = plain;
-    const glm::dvec3 middle = (first.camera.eye + first.camera.target) / 2.0;
-    view.style.clip = ClipBox{middle - glm::dvec3(2.5), first.camera.target + glm::dvec3(2.5)};
-    view.style.clip->min = glm::min(view.style.clip->min, first.camera.target - glm::dvec3(2.5));
+    view.style.clip = ClipBox{glm::dvec3(-1e6), {first.camera.target.x, 1e6, 1e6}};
     view.style.mirrors = false;
     View bare = plain;
     bare.style.mirrors = false;
     comparison.compareOther(view, bare, "clipped");
     view = plain;
+    view.style.color = ColorSource::Rgb;
     view.style.byIntensity = true;
     comparison.compareOther(view, plain, "by intensity");
     view = plain;

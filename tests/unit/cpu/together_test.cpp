@@ -133,7 +133,11 @@ TEST_F(Together, FilteredAndByWhatSamplesKnow) {
              v.style.clip = ClipBox{v.camera.target - 1.5, v.camera.target + 1.5};
          }},
         {"outliers", [](View& v) { v.style.outliers = Outliers::Show; }},
-        {"intensity", [](View& v) { v.style.byIntensity = true; }},
+        {"intensity",
+         [](View& v) {
+             v.style.color = ColorSource::Elevation;
+             v.style.byIntensity = true;
+         }},
         {"toned", [](View& v) { v.style.exposure = 1.5; }},
     };
     for (const auto& [what, change] : changes) {

@@ -104,24 +104,6 @@ TEST_F(Together, BordersOfParaboloidsAreSmoothed) {
     }
 }
 
-/// All samples of the room in so few pixels that their sums take more than 32 bits.
-TEST_F(Together, SumsThatAreWide) {
-    View small = view("hqs");
-    small.width = 12;
-    small.height = 8;
-    small.quality.detail = 0;
-    const auto whole = prepared(small);
-    const auto alone = draw(*alone_, *whole);
-    ASSERT_TRUE(alone) << alone.error().message;
-    for (const std::uint32_t devices : {2u, 3u}) {
-        Meeting meeting(devices);
-        const auto together = drawTogether(meeting, devices, *whole, 1);
-        ASSERT_TRUE(together) << together.error().message;
-        EXPECT_GT(meeting.wideSums, 0) << "their sums fit 32 bits";
-        EXPECT_TRUE(std::ranges::equal(alone->rgba, together->rgba));
-    }
-}
-
 TEST_F(Together, FilteredAndByWhatSamplesKnow) {
     const std::pair<const char*, void (*)(View&)> changes[] = {
         {"classes",

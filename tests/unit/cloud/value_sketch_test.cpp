@@ -115,13 +115,15 @@ TEST(ValueSketch, PartsJoinedAreTheWhole) {
     for (auto& [name, all, width] : distributions()) {
         std::ranges::sort(all);  // parts as unlike as can be
         const ValueSketch whole = sketchOf(all);
-        const std::array parts{sketchOf({all.begin(), all.begin() + 11}),
-                               sketchOf({all.begin() + 11, all.begin() + 20000}),
-                               sketchOf({all.begin() + 20000, all.end()}), ValueSketch()};
+        const auto part = [&](std::size_t first, std::size_t last) {
+            return sketchOf({all.begin() + std::ptrdiff_t(all.size() * first / 3000),
+                             all.begin() + std::ptrdiff_t(all.size() * last / 3000)});
+        };
+        const std::array parts{part(0, 1), part(1, 2000), part(2000, 3000), ValueSketch()};
         for (const std::array<std::size_t, 4> order :
              {std::array<std::size_t, 4>{0, 1, 2, 3}, {3, 2, 1, 0}, {1, 3, 0, 2}}) {
             ValueSketch joined;
-            for (const std::size_t part : order) joined.join(parts[part]);
+            for (const std::size_t i : order) joined.join(parts[i]);
             EXPECT_EQ(joined.count(), whole.count());
             for (const double q : shares)
                 EXPECT_EQ(joined.quantile(q), whole.quantile(q)) << name << ' ' << q;

@@ -196,13 +196,14 @@ Expected<int> compareAll(const Communicator& ranks, const Communicator& opening,
         view.style.parameters["smooth"] = true;
         comparison.compare(view, "smooth");
     }
-    filtered(comparison, first);
+    const bool two = ranks.size() == 2;
+    if (two) filtered(comparison, first);
     // Larger than a tile (renderer/prepare.hpp).
     View poster = first;
     poster.width = 2100;
     poster.height = 60;
     poster.quality.samples = 1;
-    comparison.compare(poster, "in tiles");
+    if (two) comparison.compare(poster, "in tiles");
     int faults = abandoned(**together, **shared, first);
     comparison.compare(first, "after those that were abandoned");
     if (ranks.size() > 1) faults += withinPauses(comparison, **together, **shared, **alone, **whole, first);

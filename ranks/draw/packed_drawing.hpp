@@ -12,13 +12,9 @@
 #include "ranks/mpi/communicator.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/device/device.hpp"
+#include "renderer/residency/node_share.hpp"
 
 namespace scancast {
-
-/// Which cloud, and where every rank finds it.
-struct CloudPlace {
-    std::string path, revision;
-};
 
 RankBytes packDrawing(const CloudPlace& cloud, const Drawing& drawing);
 

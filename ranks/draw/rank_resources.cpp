@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <span>
 
 #include "files/machine.hpp"
 
@@ -27,6 +28,14 @@ int threadsOfRank(const MpiSession& mpi) {
 
 std::uint64_t memoryOfRank(const MpiSession& mpi) {
     return machineMemory() / 2 / std::uint64_t(mpi.ranksOnThisMachine());
+}
+
+Expected<std::uint64_t> leastOfRanks(const Communicator& ranks, const Expected<std::uint64_t>& mine) {
+    const auto agreed = ranks.agree(mine);
+    if (!agreed) return agreed;
+    std::uint64_t least = *agreed;
+    if (auto ok = ranks.min(std::span(&least, 1)); !ok) return passOn(ok);
+    return least;
 }
 
 }  // namespace scancast

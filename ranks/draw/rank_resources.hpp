@@ -16,4 +16,8 @@ int threadsOfRank(const MpiSession& mpi);
 /// Bytes: of half of the machine's memory.
 std::uint64_t memoryOfRank(const MpiSession& mpi);
 
+/// All ranks call it: the least of their limits is everybody's, as rank 0 reckons with as much on each. Errors: where one rank has no
+/// number, its error.
+Expected<std::uint64_t> leastOfRanks(const Communicator& ranks, const Expected<std::uint64_t>& mine);
+
 }  // namespace scancast

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <exception>
 #include <functional>
+#include <string_view>
+#include <thread>
 #include <tuple>
 #include <utility>
 
@@ -17,6 +20,12 @@ namespace {
 void goOn(const Communicator& ranks) {
     RankBytes nothing;
     if (auto ok = ranks.broadcast(nothing); !ok) MpiSession::abortAll(ok.error().message);
+}
+
+/// The others are at a picture that this rank cannot go on with.
+[[noreturn]] void giveUpAll(const Communicator& ranks, std::string_view why) {
+    MpiSession::abortAll(
+        fmt::format("Ranks cannot go on drawing together: rank {} failed: {}", ranks.rank(), why));
 }
 
 class RanksDevice final : public Device {
@@ -38,11 +47,16 @@ class RanksDevice final : public Device {
         // What cannot be drawn at all nobody else is asked for.
         if (auto ok = checkDrawing(drawing); !ok) return passOn(ok);
         const auto cloud = clouds_->placeOf(drawing.mainView().cut.source);
-        if (!cloud || ranks_.size() == 1) return drawAlone(drawing, std::move(stop));
-        RankBytes message = packDrawing(*cloud, drawing);
-        if (auto ok = ranks_.broadcast(message); !ok) return passOn(ok);
-        if (auto ready = ranks_.agree({}); !ready) return passOn(ready);
-        return together_->draw(drawing, std::move(stop));
+        if (!cloud) return passOn(cloud);
+        if (!*cloud || ranks_.size() == 1) return drawAlone(drawing, std::move(stop));
+        RankBytes message = packDrawing(**cloud, drawing);
+        try {
+            if (auto ok = ranks_.broadcast(message); !ok) giveUpAll(ranks_, ok.error().message);
+            if (auto ready = ranks_.agree(Expected<void>()); !ready) return passOn(ready);
+            return together_->draw(drawing, std::move(stop));
+        } catch (const std::exception& e) {
+            giveUpAll(ranks_, e.what());
+        }
     }
 
   private:
@@ -73,19 +87,39 @@ Expected<std::unique_ptr<Device>> createRanksDevice(const Communicator& ranks,
     return std::make_unique<RanksDevice>(ranks, std::move(clouds), std::move(*together), threads);
 }
 
-Expected<void> drawWithFirst(const Communicator& ranks, OpenedClouds clouds, int threads) {
+Expected<void> canDraw(int threads) {
+    auto made = createCpuDevice(threads);
+    return made ? Expected<void>() : Expected<void>(passOn(made));
+}
+
+Expected<void> drawWithFirst(const Communicator& ranks, OpenedClouds& clouds, int threads) {
+    std::jthread opener([&clouds] { clouds.openWithFirst(); });
     RankTraffic traffic;
     std::unique_ptr<Device> device;
-    std::function<Expected<void>()> drawUntilNothing = [&]() -> Expected<void> {
-        for (;;) {
-            RankBytes message;
-            if (auto ok = ranks.broadcast(message); !ok) return ok;
-            if (message.empty()) return {};
+    // What it throws before all have agreed is an answer; afterwards the others wait for this rank.
+    const auto unpacked = [&](const RankBytes& message) -> Expected<std::unique_ptr<UnpackedDrawing>> {
+        try {
             auto drawing = unpackDrawing(message);
-            auto provided = drawing ? clouds.provide(**drawing) : Expected<void>(passOn(drawing));
-            if (!ranks.agree(provided)) continue;                 // rank 0 says so
-            std::ignore = device->draw((*drawing)->drawing, {});  // what all refuse, rank 0 says
+            if (!drawing) return drawing;
+            if (auto provided = clouds.provide(**drawing); !provided) return passOn(provided);
+            return drawing;
+        } catch (const std::exception& e) {
+            return fail(
+                ErrorCode::ResourceLimit,
+                fmt::format("Rank {} cannot draw its share of this picture: {}", ranks.rank(), e.what()));
         }
+    };
+    std::function<Expected<void>()> drawUntilNothing = [&]() -> Expected<void> {
+        for (;;) try {
+                RankBytes message;
+                if (auto ok = ranks.broadcast(message); !ok) return ok;
+                if (message.empty()) return {};
+                const auto drawing = ranks.agree(unpacked(message));
+                if (!drawing) continue;                               // rank 0 says so
+                std::ignore = device->draw((*drawing)->drawing, {});  // what all refuse, rank 0 says
+            } catch (const std::exception& e) {
+                giveUpAll(ranks, e.what());
+            }
     };
     auto made = createCpuDevice(threads, std::make_unique<RankReduction>(ranks, traffic, [&] {
                                     if (auto ok = drawUntilNothing(); !ok)
@@ -96,8 +130,9 @@ Expected<void> drawWithFirst(const Communicator& ranks, OpenedClouds clouds, int
     return drawUntilNothing();
 }
 
-Expected<void> letGo(const Communicator& ranks) {
+Expected<void> letGo(const Communicator& ranks, const Communicator& opening) {
     RankBytes nothing;
+    if (auto ok = opening.broadcast(nothing); !ok) return ok;
     return ranks.broadcast(nothing);
 }
 

@@ -18,10 +18,11 @@ Expected<std::unique_ptr<Device>> createRanksDevice(const Communicator& ranks,
                                                     std::shared_ptr<const SharedClouds> clouds, int threads,
                                                     RankTraffic& traffic);
 
-/// All ranks but the first: draws what rank 0's device draws, until letGo(). Errors: the
-/// communicator's.
-Expected<void> drawWithFirst(const Communicator& ranks, OpenedClouds clouds, int threads);
-/// Rank 0: the others' drawWithFirst() returns. After its device is gone.
-Expected<void> letGo(const Communicator& ranks);
+/// What would keep this rank from drawing at all: to be agreed on before anybody waits for it. Errors: createCpuDevice()'s.
+Expected<void> canDraw(int threads);
+/// All ranks but the first: opens what rank 0 opens and draws what its device draws, until letGo(). Errors: the communicator's.
+Expected<void> drawWithFirst(const Communicator& ranks, OpenedClouds& clouds, int threads);
+/// Rank 0: the others' drawWithFirst() returns. After its device is gone and its clouds are closed; `opening` is theirs.
+Expected<void> letGo(const Communicator& ranks, const Communicator& opening);
 
 }  // namespace scancast

@@ -92,10 +92,7 @@ Expected<void> renderAsFirst(const Communicator& ranks, const std::shared_ptr<Sh
     if (!words) return passOn(words);
     const auto cloud = openCloud(arguments.file, clouds);
     if (!cloud) return passOn(cloud);
-    if (!(*cloud)->look)
-        return fail(ErrorCode::InvalidArgument,
-                    arguments.file + " keeps no look yet; scancast look " + arguments.file + " decides it.");
-    clouds->know(**cloud);
+    clouds->know(*cloud);
     auto view = applyWords(defaultView(**cloud), *words);
     if (!view) return passOn(view);
     RanksTimes times;
@@ -129,17 +126,25 @@ Expected<void> renderByRanks(const RanksRenderArguments& arguments) {
     if (!mpi) return passOn(mpi);
     const Communicator& ranks = (*mpi)->world();
     const int threads = arguments.threads > 0 ? arguments.threads : threadsOfRank(**mpi);
-    const auto limit = ranks.agree(memoryLimitOf(arguments, **mpi));
+    const Communicator opening(ranks.handle(), {});
+    const auto limit = leastOfRanks(ranks, memoryLimitOf(arguments, **mpi));
     if (!limit) return ranks.isFirst() ? passOn(limit) : Expected<void>();
+    if (auto sound = ranks.agree(canDraw(threads)); !sound) return ranks.isFirst() ? sound : Expected<void>();
     BlockCacheOptions options;
     options.memoryLimit = *limit;
     options.threads = threads;
     const NodeShare share{std::uint32_t(ranks.rank()), std::uint32_t(ranks.size())};
     auto cache = BlockCache::create(options);
-    if (!ranks.isFirst()) return drawWithFirst(ranks, OpenedClouds(std::move(cache), share), threads);
-    auto done =
-        renderAsFirst(ranks, std::make_shared<SharedClouds>(std::move(cache), share), arguments, threads);
-    if (auto ok = letGo(ranks); !ok && done) return ok;
+    if (!ranks.isFirst()) {
+        OpenedClouds clouds(std::move(cache), share, opening);
+        return drawWithFirst(ranks, clouds, threads);
+    }
+    const auto clouds = std::make_shared<SharedClouds>(
+        std::move(cache), share, opening,
+        [](const std::string& sentence) { tell("scancast-ranks render: {}\n", sentence); });
+    auto done = renderAsFirst(ranks, clouds, arguments, threads);
+    clouds->close();
+    if (auto ok = letGo(ranks, opening); !ok && done) return ok;
     return done;
 }
 

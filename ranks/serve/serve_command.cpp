@@ -4,13 +4,16 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <csignal>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "ranks/draw/rank_resources.hpp"
 #include "ranks/draw/ranks_device.hpp"
 #include "renderer/residency/open_cloud.hpp"
+#include "server/base/byte_size.hpp"
 #include "server/base/log.hpp"
 #include "server/commands/serve/serve.hpp"
 #include "server/terminal/terminal.hpp"
@@ -27,20 +30,60 @@ NodeShare shareOf(const Communicator& ranks) {
     return {std::uint32_t(ranks.rank()), std::uint32_t(ranks.size())};
 }
 
-/// Scans would be read by rank 0 alone.
-Expected<void> checkClouds(ServeOptions options) {
+/// Scans would be read by rank 0 alone. The files that were found, by name and revision.
+Expected<std::string> checkClouds(ServeOptions options) {
     if (options.device.backend != "auto" && options.device.backend != "cpu")
         return fail(ErrorCode::InvalidArgument,
                     "Ranks draw with the cpu device; leave --backend out, or say --backend=cpu.", "backend");
-    if (auto found = findFiles(options); !found) return found;
-    for (const auto& file : options.files)
+    if (auto found = findFiles(options); !found) return passOn(found);
+    std::string all;
+    for (const auto& file : options.files) {
         if (!isCloudFileAt(file))
-            return fail(ErrorCode::InvalidArgument,
-                        file.string() +
-                            " is no cloud file, which is what ranks share: ingest it first, as in scancast "
-                            "ingest " +
-                            file.string() + " -o " + file.stem().string() + ".scan");
-    return {};
+            return fail(ErrorCode::InvalidArgument, file.string() +
+                                                        " is no cloud file here, which is what ranks share; "
+                                                        "a scan is to be ingested first, as in "
+                                                        "scancast ingest " +
+                                                        file.string() + " -o " + file.stem().string() +
+                                                        ".scan");
+        const auto opened = CloudFile::open(file);  // what cannot be read, the server tells
+        all += file.string() + ' ' + (opened ? (*opened)->facts().revision : "(unreadable)") + '\n';
+    }
+    return all;
+}
+
+/// What would keep this rank from serving.
+Expected<std::string> checkRank(const Communicator& ranks, const ServeOptions& options) {
+    // Rank 0's log is the server's.
+    if (!ranks.isFirst())
+        if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return passOn(log);
+    if (auto shares = memoryShares(options); !shares) return passOn(shares);
+    if (auto can = canDraw(options.device.threads); !can) return passOn(can);
+    return checkClouds(options);
+}
+
+/// All ranks, before one waits for another: whatever is the matter with one of them is everybody's, and rank 0 says it.
+Expected<void> checkRanks(const Communicator& ranks, const ServeOptions& options) {
+    const auto telling = [&](Error error) {
+        if (!ranks.isFirst())
+            error.message = "On rank " + std::to_string(ranks.rank()) + ": " + error.message;
+        return tl::unexpected(std::move(error));
+    };
+    auto checked = checkRank(ranks, options);
+    if (!checked) checked = telling(checked.error());
+    const auto mine = ranks.agree(std::move(checked));
+    if (!mine) return passOn(mine);
+    const auto bytes = std::as_bytes(std::span(*mine));
+    RankBytes first(bytes.begin(), bytes.end());
+    if (auto ok = ranks.broadcast(first); !ok) return ok;
+    Expected<void> same;
+    if (!std::ranges::equal(first, bytes))
+        same = telling(
+            {ErrorCode::InvalidArgument,
+             "there are other cloud files, or others of the same names, than at rank 0; every rank needs the "
+             "same: " +
+                 *mine,
+             {}});
+    return ranks.agree(same);
 }
 
 /// Rank 0: pictures of what it has opened, by all.
@@ -54,42 +97,43 @@ OpenPainter ranksPainter(const Communicator& ranks, std::shared_ptr<SharedClouds
         painter->begin = [begin = std::move(painter->begin), clouds](
                              const PictureOrder& order, const PreparedPicture& prepared, std::stop_token stop,
                              const Pause& pause) {
-            clouds->know(*order.cloud);
+            clouds->know(order.cloud);
             return begin(order, prepared, std::move(stop), pause);
         };
         return painter;
     };
 }
 
-int serveAsFirst(const Communicator& ranks, const ServeOptions& options, const ServeWith& serve) {
+int serveAsFirst(const Communicator& ranks, const Communicator& opening, const ServeWith& serve) {
     RankTraffic traffic;
     std::shared_ptr<SharedClouds> clouds;
     ServeParts parts;
     parts.clouds = [&](std::shared_ptr<BlockCache> cache) {
-        return clouds = std::make_shared<SharedClouds>(std::move(cache), shareOf(ranks));
+        return clouds = std::make_shared<SharedClouds>(
+                   std::move(cache), shareOf(ranks), opening,
+                   [](const std::string& sentence) { spdlog::warn("{}", sentence); });
     };
     parts.painter = [&](const DeviceOptions& device) {
         return ranksPainter(ranks, clouds, device.threads, traffic);
     };
-    auto sound = checkClouds(options);
-    const int exitCode = sound ? serve(parts) : serveFailed(sound.error());
-    if (auto ok = letGo(ranks); !ok) return serveFailed(ok.error());
+    const int exitCode = serve(parts);
+    if (clouds) clouds->close();
+    if (auto ok = letGo(ranks, opening); !ok) return serveFailed(ok.error());
     return exitCode;
 }
 
-int serveAsOther(const Communicator& ranks, const ServeOptions& options) {
+int serveAsOther(const Communicator& ranks, const Communicator& opening, const ServeOptions& options) {
     // Rank 0 says when it is over, and it is told by the same signals.
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
-    if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return 1;  // rank 0 says so
     const auto shares = memoryShares(options);
-    if (!shares) return 1;
+    if (!shares) MpiSession::abortAll(shares.error().message);  // it was there when they agreed
     BlockCacheOptions cache;
     cache.memoryLimit = shares->clouds;
     cache.onDamaged = [](const std::shared_ptr<const CloudFile>& file, const Error& error) {
         spdlog::error("{}: {}", file->path().filename().string(), error.message);
     };
-    OpenedClouds clouds(BlockCache::create(cache), shareOf(ranks));
-    if (auto done = drawWithFirst(ranks, std::move(clouds), options.device.threads); !done)
+    OpenedClouds clouds(BlockCache::create(cache), shareOf(ranks), opening);
+    if (auto done = drawWithFirst(ranks, clouds, options.device.threads); !done)
         return serveFailed(done.error());
     return 0;
 }
@@ -98,10 +142,16 @@ int serveByRanks(ServeOptions& options, const ServeWith& serve) {
     yieldWhileWaiting();
     auto mpi = MpiSession::start({});
     if (!mpi) return serveFailed(mpi.error());
-    if (options.memoryLimit.empty()) options.memoryLimit = std::to_string(memoryOfRank(**mpi));
     if (options.device.threads == 0) options.device.threads = threadsOfRank(**mpi);
     const Communicator& ranks = (*mpi)->world();
-    return ranks.isFirst() ? serveAsFirst(ranks, options, serve) : serveAsOther(ranks, options);
+    const Communicator opening(ranks.handle(), {});
+    const auto limit =
+        leastOfRanks(ranks, options.memoryLimit.empty() ? Expected<std::uint64_t>(memoryOfRank(**mpi))
+                                                        : parseByteSize(options.memoryLimit, "memory-limit"));
+    if (limit) options.memoryLimit = std::to_string(*limit);
+    const auto sound = limit ? checkRanks(ranks, options) : Expected<void>(passOn(limit));
+    if (!sound) return ranks.isFirst() ? serveFailed(sound.error()) : 1;
+    return ranks.isFirst() ? serveAsFirst(ranks, opening, serve) : serveAsOther(ranks, opening, options);
 }
 
 }  // namespace

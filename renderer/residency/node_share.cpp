@@ -22,8 +22,10 @@ struct OwnNodes {
 
 class SharedStore final : public SampleStore {
   public:
-    SharedStore(std::shared_ptr<SampleStore> whole, NodeShare share)
-        : whole_(std::move(whole)), share_(share) {}
+    SharedStore(std::shared_ptr<SampleStore> whole, NodeShare share, std::shared_ptr<const CloudPlace> place)
+        : whole_(std::move(whole)), share_(share), place_(std::move(place)) {}
+
+    const std::shared_ptr<const CloudPlace>& place() const { return place_; }
 
     std::optional<SampleRun> find(std::uint32_t node) override {
         return share_.has(node) ? whole_->find(node) : SampleRun{};
@@ -58,33 +60,19 @@ class SharedStore final : public SampleStore {
   private:
     const std::shared_ptr<SampleStore> whole_;
     const NodeShare share_;
-};
-
-class SharedCache final : public BlockCache {
-  public:
-    SharedCache(std::shared_ptr<BlockCache> cache, NodeShare share)
-        : cache_(std::move(cache)), share_(share) {}
-
-    std::shared_ptr<SampleStore> add(std::shared_ptr<const CloudFile> file) override {
-        return sharedStore(cache_->add(std::move(file)), share_);
-    }
-    std::shared_ptr<const void> reserve(std::uint64_t bytes) override { return cache_->reserve(bytes); }
-    BlockCacheStats stats() const override { return cache_->stats(); }
-    void stop() override { cache_->stop(); }
-
-  private:
-    const std::shared_ptr<BlockCache> cache_;
-    const NodeShare share_;
+    const std::shared_ptr<const CloudPlace> place_;
 };
 
 }  // namespace
 
-std::shared_ptr<SampleStore> sharedStore(std::shared_ptr<SampleStore> whole, NodeShare share) {
-    return std::make_shared<SharedStore>(std::move(whole), share);
+std::shared_ptr<SampleStore> sharedStore(std::shared_ptr<SampleStore> whole, NodeShare share,
+                                         std::shared_ptr<const CloudPlace> place) {
+    return std::make_shared<SharedStore>(std::move(whole), share, std::move(place));
 }
 
-std::shared_ptr<BlockCache> sharedCache(std::shared_ptr<BlockCache> cache, NodeShare share) {
-    return std::make_shared<SharedCache>(std::move(cache), share);
+std::shared_ptr<const CloudPlace> placeOfShared(const SampleStore& store) {
+    const auto* const shared = dynamic_cast<const SharedStore*>(&store);
+    return shared != nullptr ? shared->place() : nullptr;
 }
 
 }  // namespace scancast

@@ -6,9 +6,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "renderer/cloud/sample_store.hpp"
-#include "renderer/residency/block_cache.hpp"
 
 namespace scancast {
 
@@ -25,11 +25,18 @@ struct NodeShare {
     }
 };
 
+/// Which cloud file, and where everybody finds it.
+struct CloudPlace {
+    std::string path, revision;
+};
+
 /// What is provided for pictures - find(), findAll(), loadAll(), request() - of nodes that are others' is nothing, at once
 /// and without memory; load(), which picking asks, gives every node's samples. Its capacity is that of all shares together.
-std::shared_ptr<SampleStore> sharedStore(std::shared_ptr<SampleStore> whole, NodeShare share);
+/// Whoever opens the file again has another store: what is shared is this one, not all that is of its revision.
+std::shared_ptr<SampleStore> sharedStore(std::shared_ptr<SampleStore> whole, NodeShare share,
+                                         std::shared_ptr<const CloudPlace> place);
 
-/// The cache's clouds by such stores.
-std::shared_ptr<BlockCache> sharedCache(std::shared_ptr<BlockCache> cache, NodeShare share);
+/// Of a store that is such a one, what it was made of; null: it is another, and has all samples.
+std::shared_ptr<const CloudPlace> placeOfShared(const SampleStore& store);
 
 }  // namespace scancast

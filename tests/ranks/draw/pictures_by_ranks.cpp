@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 
@@ -18,6 +20,7 @@
 #include "renderer/plan.hpp"
 #include "renderer/render.hpp"
 #include "renderer/residency/open_cloud.hpp"
+#include "tests/ranks/draw/what_travels.hpp"
 
 namespace scancast {
 namespace {
@@ -47,6 +50,12 @@ class Comparison {
             fault(view, what, "the mirror is not seen");
         const auto seen = std::ranges::count_if(b->depth, [](float d) { return std::isfinite(d); });
         if (seen * 20 < std::ptrdiff_t(b->depth.size())) fault(view, what, "there is nothing in the picture");
+    }
+    /// The same, of a view that has to be another picture than `other`.
+    void compareOther(const View& view, const View& other, std::string_view what) {
+        const auto a = render(alone_, whole_, view), b = render(alone_, whole_, other);
+        if (a && b && std::ranges::equal(a->rgba, b->rgba)) fault(view, what, "it changes nothing");
+        compare(view, what);
     }
     int pictures() const { return pictures_; }
     int faults() const { return faults_; }
@@ -104,14 +113,62 @@ int withinPauses(Comparison& comparison, Device& together, const Cloud& shared, 
     return 1;
 }
 
-Expected<int> compareAll(const Communicator& ranks, const std::string& path) {
+/// What decides which samples are drawn, and how they become colours, is the same on all ranks.
+void filtered(Comparison& comparison, const View& first) {
+    View plain = first;
+    plain.quality.samples = 1;
+    plain.style.method = "hqs";
+    View view = plain;
+    view.style.clip = ClipBox{glm::dvec3(-1e6), {first.camera.target.x, 1e6, 1e6}};
+    view.style.mirrors = false;
+    View bare = plain;
+    bare.style.mirrors = false;
+    comparison.compareOther(view, bare, "clipped");
+    view = plain;
+    view.style.color = ColorSource::Rgb;
+    view.style.byIntensity = true;
+    comparison.compareOther(view, plain, "by intensity");
+    view = plain;
+    view.style.color = ColorSource::Curvature;
+    comparison.compareOther(view, plain, "curvature");
+    view = plain;
+    view.style.exposure = 1.5;
+    comparison.compareOther(view, plain, "toned");
+    view = plain;
+    view.style.outliers = Outliers::Show;
+    comparison.compare(view, "with outliers");
+}
+
+/// A file that is another one by the time that the others open it is rank 0's alone: the right picture, and no error.
+Expected<int> whereOthersHaveAnother(const Communicator& ranks, const std::shared_ptr<SharedClouds>& clouds,
+                                     Device& together, Device& alone, const Cloud& whole,
+                                     const std::string& path, const RankTraffic& traffic) {
+    const std::string copy = path + "-replaced.scan";
+    std::filesystem::copy_file(path, copy, std::filesystem::copy_options::overwrite_existing);
+    const auto file = CloudFile::open(std::filesystem::path(copy));
+    if (!file) return passOn(file);
+    std::filesystem::remove(copy);
+    std::ofstream(copy) << "no cloud any more";
+    const auto opened = openCloud(*file, clouds);
+    std::filesystem::remove(copy);
+    if (!opened) return passOn(opened);
+    clouds->know(*opened);
+    const std::uint64_t before = traffic.bytes;
+    Comparison comparison(together, **opened, alone, whole);
+    comparison.compare(defaultView(whole, 120, 80), "where others have another file");
+    if (ranks.size() > 1 && traffic.bytes != before) fmt::print(stderr, "another file is drawn together\n");
+    return comparison.faults() + int(ranks.size() > 1 && traffic.bytes != before);
+}
+
+Expected<int> compareAll(const Communicator& ranks, const Communicator& opening, const std::string& path) {
     const auto clouds =
-        std::make_shared<SharedClouds>(cacheOf(memory), NodeShare{0, std::uint32_t(ranks.size())});
+        std::make_shared<SharedClouds>(cacheOf(memory), NodeShare{0, std::uint32_t(ranks.size())}, opening,
+                                       [](const std::string& sentence) { fmt::print("{}\n", sentence); });
     const auto shared = openCloud(path, clouds);
     if (!shared) return passOn(shared);
     const auto whole = openCloud(path, cacheOf(memory * std::uint64_t(ranks.size())));
     if (!whole) return passOn(whole);
-    clouds->know(**shared);
+    clouds->know(*shared);
     RankTraffic traffic;
     auto together = createRanksDevice(ranks, clouds, 1, traffic);
     if (!together) return passOn(together);
@@ -124,6 +181,7 @@ Expected<int> compareAll(const Communicator& ranks, const std::string& path) {
         view.style.method = method.name;
         view.quality.samples = 4;
         comparison.compare(view, "4 samples");
+        if (ranks.size() != 3) continue;  // three show what else there is
         view.quality.samples = 1;
         view.style.shading = Shading::Phong;
         view.style.light.sun = {{200, 50}};
@@ -138,15 +196,21 @@ Expected<int> compareAll(const Communicator& ranks, const std::string& path) {
         view.style.parameters["smooth"] = true;
         comparison.compare(view, "smooth");
     }
+    const bool two = ranks.size() == 2;
+    if (two) filtered(comparison, first);
     // Larger than a tile (renderer/prepare.hpp).
     View poster = first;
     poster.width = 2100;
     poster.height = 60;
     poster.quality.samples = 1;
-    comparison.compare(poster, "in tiles");
+    if (two) comparison.compare(poster, "in tiles");
     int faults = abandoned(**together, **shared, first);
     comparison.compare(first, "after those that were abandoned");
     if (ranks.size() > 1) faults += withinPauses(comparison, **together, **shared, **alone, **whole, first);
+    const auto others = whereOthersHaveAnother(ranks, clouds, **together, **alone, **whole, path, traffic);
+    if (!others) return others;
+    faults += *others + everythingTravels();
+    clouds->close();
     fmt::print("{} ranks, {} pictures, {} differ; {} bytes reduced\n", ranks.size(), comparison.pictures(),
                comparison.faults(), traffic.bytes);
     if (ranks.size() > 1 && traffic.bytes == 0) ++faults;
@@ -158,14 +222,17 @@ int run(const std::string& path) {
     auto mpi = MpiSession::start({});
     if (!mpi) return 1;
     const Communicator& ranks = (*mpi)->world();
+    const Communicator opening(ranks.handle(), {});
+    const int wrong = reductionsAddUp(ranks);
     if (!ranks.isFirst()) {
-        const NodeShare share{std::uint32_t(ranks.rank()), std::uint32_t(ranks.size())};
-        return drawWithFirst(ranks, OpenedClouds(cacheOf(memory), share), 1) ? 0 : 1;
+        OpenedClouds clouds(cacheOf(memory), {std::uint32_t(ranks.rank()), std::uint32_t(ranks.size())},
+                            opening);
+        return drawWithFirst(ranks, clouds, 1) && wrong == 0 ? 0 : 1;
     }
-    const auto faults = compareAll(ranks, path);
+    const auto faults = compareAll(ranks, opening, path);
     if (!faults) fmt::print(stderr, "{}\n", faults.error().message);
-    if (!letGo(ranks)) return 1;
-    return faults && *faults == 0 ? 0 : 1;
+    if (!letGo(ranks, opening)) return 1;
+    return faults && *faults == 0 && wrong == 0 ? 0 : 1;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "load"))
@@ -35,12 +36,32 @@ class RanksServer(serving.Server):
         self.process = subprocess.Popen(by_ranks(count, os.path.join(PROGRAMS, "scancast-ranks"), "serve", cloud, "--port", "0",
                                                  "--threads", "1", "--memory-limit", "128M"),
                                         stdout=subprocess.PIPE, stderr=log, text=True)
-        found = re.search(r"http://([^/:]+):(\d+)", self.process.stdout.readline())
-        if not found:
-            raise AssertionError("scancast-ranks serve said no address")
-        self.address = found.group(1), int(found.group(2))
-        self.url = "http://%s:%d" % self.address
-        self.cloud = self.wait_until_loaded()
+        # Whatever waits for it comes to an end then, and fails.
+        self.hang = threading.Timer(PATIENCE, self.end)
+        self.hang.daemon = True
+        self.hang.start()
+        try:
+            found = re.search(r"http://([^/:]+):(\d+)", self.process.stdout.readline())
+            if not found:
+                raise AssertionError("scancast-ranks serve said no address")
+            self.address = found.group(1), int(found.group(2))
+            self.url = "http://%s:%d" % self.address
+            self.cloud = self.wait_until_loaded()
+        except BaseException:
+            self.end()
+            self.process.stdout.close()
+            raise
+
+    def end(self):
+        """mpirun ends its ranks, if it still can."""
+        self.hang.cancel()
+        if self.process.poll() is None:
+            self.process.terminate()
+            try:
+                self.process.wait(15)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
 
     def stop(self):
         """As somebody does who ends rank 0's process: the others are let go, and mpirun ends well."""
@@ -50,9 +71,11 @@ class RanksServer(serving.Server):
             with open(f"/proc/{pid}/environ", "rb") as environment:
                 if b"OMPI_COMM_WORLD_RANK=0\0" in environment.read():
                     os.kill(pid, signal.SIGTERM)
-        code = self.process.wait(PATIENCE)
-        self.process.stdout.close()
-        return code
+        try:
+            return self.process.wait(PATIENCE)
+        finally:
+            self.end()
+            self.process.stdout.close()
 
 
 class PicturesByRanks(unittest.TestCase):
@@ -99,6 +122,30 @@ class PicturesByRanks(unittest.TestCase):
                               timeout=PATIENCE, capture_output=True, text=True)
         self.assertNotEqual(done.returncode, 0)
         self.assertEqual(done.stderr.count("scancast ingest"), 1, done.stderr)
+
+    def test_who_cannot_start_keeps_nobody_waiting(self):
+        """Rank 1 alone: no such processor; no such file; another file of that name."""
+        program = os.path.join(PROGRAMS, "scancast-ranks")
+        here, there = os.path.join(self.folder.name, "here"), os.path.join(self.folder.name, "there")
+        for folder in (here, there):
+            os.makedirs(folder, exist_ok=True)
+        shutil.copy(self.cloud, os.path.join(here, "one.scan"))
+        shutil.copy(self.cloud, os.path.join(here, "two.scan"))
+        with open(self.cloud, "rb") as whole, open(os.path.join(there, "two.scan"), "wb") as part:
+            part.write(whole.read(5000))
+        render = [program, "render", self.cloud, "--stats", "json"]
+        served = lambda name: [program, "serve", name, "--port", "0"]
+        no_simd = ["env", "SCANCAST_SIMD=abacus"]
+        for what, command, before, where in (("render", render, no_simd, None), ("serve", served(self.cloud), no_simd, None),
+                                             ("no file", served("one.scan"), [], there),
+                                             ("another file", served("two.scan"), [], there)):
+            with self.subTest(what):
+                first = ["env", "-C", here] if where else []
+                second = ["env", "-C", where] if where else before
+                done = subprocess.run(by_ranks(1, *first, *command) + [":", "-n", "1", *second, *command], timeout=PATIENCE,
+                                      capture_output=True, text=True)
+                self.assertNotEqual(done.returncode, 0, done.stdout)
+                self.assertRegex(done.stderr, "abacus" if before else "On rank 1")
 
     def test_a_server_shows_streams_and_picks(self):
         with open(os.path.join(self.folder.name, "log"), "w+") as log:

@@ -104,6 +104,39 @@ TEST_F(Together, BordersOfParaboloidsAreSmoothed) {
     }
 }
 
+TEST_F(Together, FilteredAndByWhatSamplesKnow) {
+    const std::pair<const char*, void (*)(View&)> changes[] = {
+        {"classes",
+         [](View& v) {
+             v.style.classes = {{1, 2, 6}};
+         }},
+        {"clip",
+         [](View& v) {
+             v.style.clip = ClipBox{v.camera.target - 1.5, v.camera.target + 1.5};
+         }},
+        {"outliers", [](View& v) { v.style.outliers = Outliers::Show; }},
+        {"intensity",
+         [](View& v) {
+             v.style.color = ColorSource::Elevation;
+             v.style.byIntensity = true;
+         }},
+        {"toned", [](View& v) { v.style.exposure = 1.5; }},
+    };
+    for (const auto& [what, change] : changes) {
+        SCOPED_TRACE(what);
+        View changed = view("ewa");
+        changed.style.mirrors = false;
+        change(changed);
+        const auto whole = prepared(changed);
+        const auto alone = draw(*alone_, *whole);
+        ASSERT_TRUE(alone) << alone.error().message;
+        Meeting meeting(3);
+        const auto together = drawTogether(meeting, 3, *whole, 1);
+        ASSERT_TRUE(together) << together.error().message;
+        EXPECT_TRUE(std::ranges::equal(alone->rgba, together->rgba));
+    }
+}
+
 /// Of so few nodes some have none.
 TEST_F(Together, WhereSomeHaveNothing) {
     for (const Method& method : methods()) {

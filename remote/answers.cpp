@@ -47,11 +47,14 @@ std::optional<std::chrono::seconds> secondsOf(std::string_view text) {
     return std::chrono::seconds(std::min(seconds, longest));
 }
 
-Fault faultOf(const AnswerHead& head, std::string_view body) {
+Fault faultOf(const AnswerHead& head, std::string_view body, bool isOpen) {
     const std::string code = s3ErrorCode(body);
     Fault fault{Fault::Kind::Refused,
                 fmt::format("it answers {}{}", head.status, code.empty() ? "" : " " + code)};
-    if (head.status == 412 || head.status == 416) {
+    if (head.status == 416 && !isOpen) {
+        fault.kind = Fault::Kind::Unsuitable;
+        fault.text = "it is empty";
+    } else if (isOpen && (head.status == 412 || head.status == 416)) {
         fault.kind = Fault::Kind::Changed;
         fault.text = "it has been replaced by another";
     } else if (head.status == 408 || head.status == 425 || head.status == 429 || head.status >= 500) {
@@ -128,7 +131,7 @@ tl::expected<ObjectState, Fault> judge(const AnswerHead& head, std::uint64_t fir
     const auto unsuitable = [](std::string text) {
         return tl::unexpected(Fault{Fault::Kind::Unsuitable, std::move(text)});
     };
-    if (head.status != 206) return tl::unexpected(faultOf(head, body));
+    if (head.status != 206) return tl::unexpected(faultOf(head, body, expected != nullptr));
     if (!head.contentEncoding.empty() && !isSame(head.contentEncoding, "identity"))
         return unsuitable("its server compresses it on the way, so that parts of it cannot be read");
     const auto range = parseContentRange(head.contentRange);

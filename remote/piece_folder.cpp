@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <system_error>
 
 #include "files/bytes.hpp"
 #include "files/input_file.hpp"
@@ -77,7 +78,13 @@ Expected<std::unique_ptr<PieceFolder>> PieceFolder::open(const fs::path& folder,
     if (error) return fail(ErrorCode::Io, folder.string() + ": cannot be made: " + error.message());
     if (isNew) fs::permissions(folder, fs::perms::owner_all, error);
     std::unique_ptr<PieceFolder> opened(new PieceFolder(folder, limit));
-    opened->count();
+    // A large folder takes its time, on a network drive above all: nobody waits for it.
+    try {
+        opened->counter_ =
+            std::jthread([self = opened.get()](const std::stop_token& stop) { self->count(stop); });
+    } catch (const std::system_error&) {
+        opened->count();
+    }
     return opened;
 }
 
@@ -145,7 +152,7 @@ void PieceFolder::remove(const std::string& key, std::uint64_t piece) {
     if (!key.empty()) (void)::unlink(pathOf(key, piece).c_str());
 }
 
-void PieceFolder::count() {
+void PieceFolder::count(const std::stop_token& stop) {
     const std::unique_lock lock(counting_, std::try_to_lock);
     if (!lock) return;
     constexpr std::int64_t nanoseconds = 1'000'000'000;
@@ -159,6 +166,7 @@ void PieceFolder::count() {
         std::error_code inner;
         for (fs::directory_iterator i(folder->path(), inner); !inner && i != fs::directory_iterator();
              i.increment(inner)) {
+            if (stop.stop_requested()) return;
             struct stat info {};
             if (::lstat(i->path().c_str(), &info) != 0 || !S_ISREG(info.st_mode)) continue;
             if (i->path().native().ends_with(temporaryEnd) &&
@@ -174,7 +182,7 @@ void PieceFolder::count() {
     if (all > limit_) {
         std::ranges::sort(files, {}, &Kept::used);
         for (const Kept& kept : files) {
-            if (all <= limit_ / 10 * 9) break;
+            if (all <= limit_ / 10 * 9 || stop.stop_requested()) break;
             if (::unlink(kept.path.c_str()) != 0) continue;
             all -= kept.bytes;
             (void)::rmdir(kept.path.parent_path().c_str());  // goes when it is empty
@@ -182,6 +190,7 @@ void PieceFolder::count() {
     }
     bytes_ = all;
     written_ = 0;
+    counted_ = true;
 }
 
 }  // namespace scancast

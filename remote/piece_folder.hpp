@@ -12,7 +12,9 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "protocol/error.hpp"
@@ -33,7 +35,7 @@ class PieceFolder {
   public:
     static constexpr std::size_t longestPiece = 1 << 20;
 
-    /// `folder` is made where it is not there; what is in it counts. `limit`: bytes. Errors: Io.
+    /// `folder` is made where it is not there; what is in it is counted meanwhile, by a thread of its own. `limit`: bytes. Errors: Io.
     static Expected<std::unique_ptr<PieceFolder>> open(const std::filesystem::path& folder,
                                                        std::uint64_t limit);
 
@@ -45,6 +47,8 @@ class PieceFolder {
     void save(const std::string& key, std::uint64_t piece, std::span<const std::byte> bytes);
     void remove(const std::string& key, std::uint64_t piece);
 
+    /// Whether what was there has been counted.
+    bool counted() const { return counted_; }
     std::uint64_t bytes() const { return bytes_; }
     std::uint64_t limit() const { return limit_; }
     std::uint64_t broken() const { return broken_; }
@@ -53,13 +57,15 @@ class PieceFolder {
     PieceFolder(std::filesystem::path folder, std::uint64_t limit)
         : folder_(std::move(folder)), limit_(limit) {}
     std::filesystem::path pathOf(const std::string& key, std::uint64_t piece) const;
-    void count();
+    void count(const std::stop_token& stop = {});
 
     const std::filesystem::path folder_;
     const std::uint64_t limit_;
     std::atomic<std::uint64_t> bytes_{0}, broken_{0}, written_{0};
     std::atomic<std::uint64_t> names_{0};
-    std::mutex counting_;  // held by who looks at all of them
+    std::atomic<bool> counted_{false};
+    std::mutex counting_;   // held by who looks at all of them
+    std::jthread counter_;  // of those that were there before; last, as it uses the others
 };
 
 }  // namespace scancast

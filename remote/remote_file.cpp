@@ -13,6 +13,13 @@ using std::chrono::milliseconds;
 
 // However many files there are, each can have a block's pieces at hand.
 constexpr std::uint64_t leastMemory = 2 << 20;
+// However long a server wants to be left alone.
+constexpr milliseconds longestWait{600'000};
+
+std::shared_ptr<const void> beyondShare(const RemoteCommons& commons) {
+    if (!commons.reserve || commons.files.load() < commons.memory / leastMemory) return nullptr;
+    return commons.reserve(leastMemory);
+}
 
 }  // namespace
 
@@ -32,7 +39,8 @@ RemoteFile::RemoteFile(std::shared_ptr<RemoteCommons> commons, std::shared_ptr<c
     : commons_(std::move(commons)),
       access_(std::move(access)),
       state_(std::move(state)),
-      key_(pieceKey(identity, state_)) {
+      key_(pieceKey(identity, state_)),
+      reserved_(beyondShare(*commons_)) {
     ++commons_->files;
 }
 
@@ -46,8 +54,13 @@ RemoteFile::~RemoteFile() {
 Expected<std::size_t> RemoteFile::readAt(std::uint64_t offset, std::span<std::byte> into) const {
     if (offset >= state_.bytes) return std::size_t(0);
     const std::size_t bytes = std::size_t(std::min<std::uint64_t>(into.size(), state_.bytes - offset));
-    expect(offset, bytes);
+    std::uint64_t expected = 0;
     for (std::size_t done = 0; done < bytes;) {
+        if (done >= expected) {
+            const std::uint64_t ahead = std::min<std::uint64_t>(bytes - done, share() / 2);
+            expect(offset + done, ahead);
+            expected = done + ahead;
+        }
         const std::uint64_t at = offset + done, piece = at / pieceBytes, within = at % pieceBytes;
         const auto from = bytesOf(piece);
         if (!from) return passOn(from);
@@ -60,7 +73,8 @@ Expected<std::size_t> RemoteFile::readAt(std::uint64_t offset, std::span<std::by
 
 void RemoteFile::expect(std::uint64_t offset, std::uint64_t bytes) const {
     if (offset >= state_.bytes || bytes == 0) return;
-    bytes = std::min(bytes, state_.bytes - offset);
+    bytes =
+        std::min({bytes, state_.bytes - offset, share() / 2});  // more would drop the first before it is read
     std::vector<Request> due;
     {
         std::vector<std::uint64_t> missing;
@@ -188,17 +202,25 @@ void RemoteFile::keep(std::uint64_t piece, Bytes bytes, bool saved) const {
     makeRoom();
 }
 
+/// The last used goes first; what nobody has read yet is spared once.
 void RemoteFile::makeRoom() const {
-    const std::uint64_t most =
-        std::max(leastMemory, commons_->memory / std::max<std::size_t>(1, commons_->files.load()));
-    for (auto at = uses_.end(); bytesHere_ > most && at != uses_.begin();) {
-        --at;
+    const std::uint64_t most = share();
+    for (std::size_t left = 2 * uses_.size(); bytesHere_ > most && left > 0; --left) {
+        const auto at = std::prev(uses_.end());
         const auto piece = pieces_.find(*at);
-        if (piece->second.waiting > 0) continue;
-        bytesHere_ -= piece->second.bytes->size();
+        Piece& one = piece->second;
+        if (one.waiting > 0 || (!one.saved && !std::exchange(one.spared, true))) {
+            uses_.splice(uses_.begin(), uses_, at);
+            continue;
+        }
+        bytesHere_ -= one.bytes->size();
         pieces_.erase(piece);
-        at = uses_.erase(at);
+        uses_.erase(at);
     }
+}
+
+std::uint64_t RemoteFile::share() const {
+    return std::max(leastMemory, commons_->memory / std::max<std::size_t>(1, commons_->files.load()));
 }
 
 /// What waits in a row is one request, whoever asked first.
@@ -233,6 +255,13 @@ void RemoteFile::goAway(const Fault& fault) const {
             failPiece(piece);
 }
 
+milliseconds RemoteFile::backOff(const Fault& fault) const {
+    const auto own = backOff_ ? std::min(*backOff_ * 2, commons_->lastProbe) : commons_->firstProbe;
+    backOff_ = own;
+    const milliseconds wanted = fault.after ? milliseconds(*fault.after) : milliseconds(0);
+    return std::max(own, std::min(wanted, longestWait));
+}
+
 void RemoteFile::failPiece(std::uint64_t piece) const {
     const auto at = pieces_.find(piece);
     if (at == pieces_.end() || at->second.stage == Stage::Here) return;
@@ -256,7 +285,8 @@ void RemoteFile::send(const std::vector<Request>& requests) const {
 
 void RemoteFile::arrived(const Request& request, PartOrFault result) const {
     std::vector<Request> due;
-    bool isNews = false;
+    bool isChange = false, isAbsence = false, isFirst = false, isBack = false;
+    milliseconds delay{0};
     {
         const Monitor::Lock lock(monitor_);
         --underWay_;
@@ -271,55 +301,63 @@ void RemoteFile::arrived(const Request& request, PartOrFault result) const {
             result = tl::unexpected(Fault{Fault::Kind::Unreachable, "there is not enough memory"});
         }
         if (!result) {
-            isNews = !away_ && !changed_;
+            isChange = result.error().kind == Fault::Kind::Changed && !changed_;
+            isAbsence = result.error().kind != Fault::Kind::Changed &&
+                        result.error().kind != Fault::Kind::Stopped && !away_ && !changed_;
+            isFirst = isAbsence && !backOff_;
+            if (isAbsence) delay = backOff(result.error());
             goAway(result.error());
             for (std::uint64_t i = 0; i < request.count; ++i) failPiece(request.first + i);
+        } else if (!away_) {
+            isBack = std::exchange(backOff_, std::nullopt).has_value();
         }
         due = requestsDue();
     }
     send(due);
-    if (isNews) tellOf(result.error());
+    if (isBack) note(fmt::format("{} can be fetched again.", shown()));
+    if (isChange) tellOfChange();
+    if (isFirst) tellOfAbsence(result.error());
+    if (isAbsence) probe(delay);
 }
 
-void RemoteFile::tellOf(const Fault& fault) const {
-    if (fault.kind == Fault::Kind::Stopped) return;
-    if (fault.kind == Fault::Kind::Changed) {
-        note(fmt::format("{} has been replaced by another.", shown()));
-        if (commons_->onChanged) commons_->onChanged();
-        return;
-    }
+void RemoteFile::tellOfChange() const {
+    note(fmt::format("{} has been replaced by another.", shown()));
+    if (commons_->onChanged) commons_->onChanged();
+}
+
+void RemoteFile::tellOfAbsence(const Fault& fault) const {
     note(fmt::format(
         "{} cannot be fetched at present: {}. What is here of it is shown, and it is tried again.", shown(),
         fault.text));
-    probe(commons_->firstProbe);
 }
 
 void RemoteFile::probe(std::optional<milliseconds> delay) const {
     PartAsk ask{access_, 0, 1, state_};
     ask.delay = delay.value_or(milliseconds(0));
     commons_->transfers->start(std::move(ask), [weak = weak_from_this(), delay](PartOrFault result) {
-        if (const auto self = weak.lock()) self->probed(result, delay);
+        if (const auto self = weak.lock()) self->probed(result, delay.has_value());
     });
 }
 
-void RemoteFile::probed(const PartOrFault& result, std::optional<milliseconds> delay) const {
+void RemoteFile::probed(const PartOrFault& result, bool again) const {
     if (!result && result.error().kind == Fault::Kind::Stopped) return;
     const bool isOther = !result && result.error().kind == Fault::Kind::Changed;
-    bool isNews = false, isBack = false;
+    bool isNews = false;
+    milliseconds delay{0};
     {
         const Monitor::Lock lock(monitor_);
-        if (!delay) looking_ = false;
+        if (!again) looking_ = false;
         isNews = isOther && !changed_;
-        isBack = result && away_;
+        again = again && !result && !isOther;
+        if (again) delay = backOff(result.error());
         if (isOther) goAway(result.error());
-        if (isBack) {
+        if (result && away_ && !changed_) {
             away_.reset();
             --commons_->away;
         }
     }
-    if (isNews) tellOf(result.error());
-    if (isBack) note(fmt::format("{} can be fetched again.", shown()));
-    if (!result && !isOther && delay) probe(std::min(*delay * 2, commons_->lastProbe));
+    if (isNews) tellOfChange();
+    if (again) probe(delay);
 }
 
 // ---- state

@@ -33,7 +33,9 @@ struct RemoteCommons {
     std::unique_ptr<PieceFolder> folder{};   ///< empty = nothing is kept on disk
     std::uint64_t memory = 0;                ///< bytes of pieces, of all files together
     std::shared_ptr<const void> reserved{};  ///< for that
-    std::size_t requestsAtOnce = 12;         ///< of one file
+    /// Counts what a file has at least, where there are so many that their share is less.
+    std::function<std::shared_ptr<const void>(std::uint64_t bytes)> reserve{};
+    std::size_t requestsAtOnce = 12;  ///< of one file
     int tries = 3;
     std::chrono::milliseconds firstProbe{500},
         lastProbe{10000};  ///< between questions whether a server is back
@@ -82,7 +84,8 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
         Stage stage = Stage::Wanted;
         Bytes bytes{};
         std::size_t waiting = 0;  ///< readers; it stays until they have it
-        bool saved = false;       ///< on disk, or not to be
+        bool saved = false;       ///< on disk, or not to be; somebody has read it
+        bool spared = false;      ///< it was its turn to go, and nobody had read it yet
         std::list<std::uint64_t>::iterator use{};
     };
     using Pieces = std::map<std::uint64_t, Piece>;
@@ -103,20 +106,25 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     void makeRoom() const;
     std::vector<Request> requestsDue() const;
     void goAway(const Fault& fault) const;
+    /// Before the next question whether the server is back.
+    std::chrono::milliseconds backOff(const Fault& fault) const;
+    std::uint64_t share() const;
     void failPiece(std::uint64_t piece) const;
     // Without it.
     void send(const std::vector<Request>& requests) const;
     void arrived(const Request& request, PartOrFault result) const;
-    void tellOf(const Fault& fault) const;
-    /// `delay`: before it, twice as long before the next one; nullopt = once, now.
+    void tellOfChange() const;
+    void tellOfAbsence(const Fault& fault) const;
+    /// `delay`: before it, and again and again while there is no answer; nullopt = once, now.
     void probe(std::optional<std::chrono::milliseconds> delay) const;
-    void probed(const PartOrFault& result, std::optional<std::chrono::milliseconds> delay) const;
+    void probed(const PartOrFault& result, bool again) const;
     void note(const std::string& text) const;
 
     const std::shared_ptr<RemoteCommons> commons_;
     const std::shared_ptr<const ObjectAccess> access_;
     const ObjectState state_;
-    const std::string key_;  // of its pieces on disk
+    const std::string key_;                       // of its pieces on disk
+    const std::shared_ptr<const void> reserved_;  // beyond its share
 
     mutable Monitor monitor_;  // guards what follows
     mutable Pieces pieces_;
@@ -125,6 +133,8 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     mutable std::uint64_t bytesHere_ = 0;
     mutable std::size_t underWay_ = 0;
     mutable std::optional<Fault> away_{};
+    /// The last wait for a server that was away; nullopt once a part has come: an answer of a byte does not make it well.
+    mutable std::optional<std::chrono::milliseconds> backOff_{};
     mutable bool changed_ = false;
     mutable bool looking_ = false;
 };

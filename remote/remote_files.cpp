@@ -59,6 +59,7 @@ Expected<std::shared_ptr<RemoteCommons>> RemoteFiles::commons() {
         made->folder = std::move(*folder);
     }
     made->memory = options_.memory;
+    made->reserve = options_.reserve;
     if (options_.reserve) made->reserved = options_.reserve(options_.memory);
     made->requestsAtOnce = options_.requestsAtOnce;
     made->tries = options_.tries;

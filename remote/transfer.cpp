@@ -69,6 +69,9 @@ bool Transfer::begin(Handle handle, const TransferLimits& limits) {
     set(CURLOPT_HTTPHEADER, headers_.get());
     set(CURLOPT_USERAGENT, "scancast");
     set(CURLOPT_NOSIGNAL, 1L);
+    set(CURLOPT_QUICK_EXIT, 1L);                // nobody waits for a name that is still being looked up
+    set(CURLOPT_SUPPRESS_CONNECT_HEADERS, 1L);  // what a proxy says is not the object's head
+    set(CURLOPT_PATH_AS_IS, 1L);                // an object's key may have "..", and is signed as it is
     set(CURLOPT_PROTOCOLS_STR, "http,https");
     set(CURLOPT_REDIR_PROTOCOLS_STR, isSecure(access.url) ? "https" : "http,https");
     set(CURLOPT_FOLLOWLOCATION, access.mayRedirect ? 1L : 0L);

@@ -105,7 +105,8 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     std::vector<Demand*> demands_;
     std::size_t turn_ = 0;  // of the demands
     std::uint64_t loaded_ = 0, damaged_ = 0;
-    bool stopping_ = false, hasRemoteThreads_ = false;
+    int remoteThreads_ = 0;
+    bool stopping_ = false;
     std::vector<std::thread> threads_;
 };
 
@@ -236,9 +237,10 @@ std::vector<Expected<SampleRun>> Cache::loadAll(CachedCloud& cloud, std::span<co
     {
         Lock lock(monitor_);
         const Enlisted enlisted(demands_, demand);
-        // The waiting thread is a loader thread for itself meanwhile.
+        // The waiting thread is a loader thread for itself meanwhile; but a read over a network cannot be called off.
+        const bool works = !cloud.isRemote || remoteThreads_ == 0;
         while (!isOver(demand) && !stop.stop_requested()) {
-            if (demand.hasWork())
+            if (works && demand.hasWork())
                 work(demand, lock);
             else
                 monitor_.wait(lock, stop, [&] { return isOver(demand); });
@@ -291,12 +293,13 @@ void Cache::answer(const CachedCloud& cloud, std::uint32_t node, const Loaded& r
 // ---- loader threads
 // -------------------------------------------------------------------------------------------
 
-// With the lock held: once, for as long as the cache lives. Fewer than were wanted will do.
+// With the lock held: once, for as long as the cache lives. Fewer than were wanted will do; where there is none, who waits
+// for blocks reads them.
 void Cache::startRemoteThreads() {
-    if (std::exchange(hasRemoteThreads_, true)) return;
+    if (remoteThreads_ > 0) return;
     std::ignore = guarded("Starting a thread", [&] {
         for (int i = 0; i < std::max(1, options_.remoteThreads); ++i)
-            threads_.emplace_back([this] { loadLoop(Lane::Remote); });
+            threads_.emplace_back([this] { loadLoop(Lane::Remote); }), ++remoteThreads_;
     });
 }
 

@@ -69,7 +69,8 @@ BlockState BlockTable::state(CloudBlocks& cloud, std::uint32_t node, Time now) {
         const Damage& damage = cloud.damage.at(node);
         const ErrorCode code = damage.error.code;
         const bool isAwayNow = code == ErrorCode::Unavailable;
-        const bool mayPass = isAwayNow || code == ErrorCode::Io || code == ErrorCode::ResourceLimit;
+        const bool mayPass = isAwayNow || code == ErrorCode::Io || code == ErrorCode::ResourceLimit ||
+                             (cloud.isRemote && code == ErrorCode::Malformed);  // of the way, perhaps
         if (mayPass && now >= damage.at + (isAwayNow ? askAgain : retryAfter))
             slot.state = BlockState::Absent;
     }

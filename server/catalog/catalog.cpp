@@ -114,6 +114,7 @@ void Catalog::setProgress(std::string_view id, std::string_view stage, std::uint
     entry->stage = std::string(stage);
     entry->progress.reset();
     if (total > 0) entry->progress = std::min(1.0, double(done) / double(total));
+    if (stage == waitingStage) settleLocked();
 }
 
 void Catalog::setReady(std::string_view id, std::shared_ptr<const Cloud> cloud) {
@@ -247,11 +248,13 @@ bool Catalog::settled() const {
 
 // Whoever sends clients here by /readyz would send them away whenever somebody adds a cloud.
 void Catalog::settleLocked() {
-    const auto is = [](CloudState state) {
-        return [state](const auto& entry) { return entry.state == state; };
+    const auto isUnderWay = [](const auto& entry) {
+        return entry.state == CloudState::Loading && entry.stage != waitingStage;
     };
-    settled_ = settled_ || (std::none_of(entries_.begin(), entries_.end(), is(CloudState::Loading)) &&
-                            std::any_of(entries_.begin(), entries_.end(), is(CloudState::Ready)));
+    settled_ =
+        settled_ ||
+        (std::ranges::none_of(entries_, isUnderWay) &&
+         std::ranges::any_of(entries_, [](const auto& entry) { return entry.state == CloudState::Ready; }));
 }
 
 std::uint64_t Catalog::pointsResident() const {

@@ -68,6 +68,8 @@ class Catalog {
     void setTitle(std::string_view id, std::string_view title);
     /// Forgets the entry; who looks at its cloud goes on looking. False when there is none of that id.
     bool remove(std::string_view id);
+    /// The stage of what cannot be reached now, and is opened when it can be: nobody else waits for that.
+    static constexpr std::string_view waitingStage = "waiting";
     void setProgress(std::string_view id, std::string_view stage, std::uint64_t done, std::uint64_t total);
     /// A coarse cloud to look at while the entry is Loading; ignored afterwards.
     void setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud);

@@ -99,8 +99,7 @@ class Loader::IngestMemory {
     explicit IngestMemory(Loader& loader) : loader_(loader) {
         const Monitor::Lock lock(loader_.monitor_);
         const std::uint64_t half = loader_.options_.cache->stats().limit / 2;
-        const std::size_t atOnce =
-            std::min(loader_.loading_.size() + loader_.waiting(), loader_.threads_.size());
+        const std::size_t atOnce = std::min(loader_.loading_.size() + loader_.waiting(), loader_.ingesters());
         const std::uint64_t left = half - std::min(half, loader_.ingestMemory_);
         bytes_ = std::max(std::min(half / std::max<std::size_t>(1, atOnce), left), leastIngestMemory);
         loader_.ingestMemory_ += bytes_;
@@ -127,8 +126,10 @@ Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions opti
     if (options_.remote) options_.remote->onChanged([this] { watch_.hurry(); });
     const Monitor::Lock lock(monitor_);
     addLocked(std::move(files));
-    loading_.reserve(std::size_t(1 + std::max(1, options_.importers)));
+    loading_.reserve(ingesters() + remoteOpeners);
     threads_.emplace_back([this] { run(Lane::Own); });
+    for (std::size_t i = 0; options_.remote && i < remoteOpeners; ++i)
+        threads_.emplace_back([this] { run(Lane::Remote); });
     for (int i = 0; i < std::max(1, options_.importers); ++i)
         threads_.emplace_back([this] { run(Lane::Importers); });
 }
@@ -175,7 +176,7 @@ void Loader::addLocked(std::vector<fs::path> files) {
 /// Whether it waited to be loaded; it does not any more.
 bool Loader::dismissLocked(const std::string& id) {
     std::size_t dismissed = 0;
-    for (Jobs* jobs : {&unsorted_, &own_, &forImporters_, &later_})
+    for (Jobs* jobs : {&unsorted_, &own_, &remote_, &forImporters_, &later_})
         dismissed += std::erase_if(*jobs, [&](const Job& job) { return job.id == id; });
     return dismissed > 0;
 }
@@ -321,6 +322,7 @@ bool Loader::step(Lane lane) {
 void Loader::sort(Job& job) {
     std::string id;
     const bool again = job.instead.has_value();
+    const bool overNetwork = options_.remote && isRemote(job.file());
     const auto byImporter = contained("Looking at a file", [&]() -> Expected<bool> {
         id = job.id;
         if (isRemote(job.file())) return false;
@@ -328,7 +330,9 @@ void Loader::sort(Job& job) {
         const auto input = ScanInput::open(job.place);
         return input && needsImporter(*input);
     });
-    Jobs& jobs = jobsOf(byImporter.value_or(false) ? Lane::Importers : Lane::Own);
+    Jobs& jobs = jobsOf(overNetwork                  ? Lane::Remote
+                        : byImporter.value_or(false) ? Lane::Importers
+                                                     : Lane::Own);
     const auto placed = contained("The loader", [&] {
         const Monitor::Lock lock(monitor_);
         const auto place = std::find_if(jobs.begin(), jobs.end(),
@@ -380,7 +384,10 @@ void Loader::settleRebuilt(const Job& job, Result cloud) {
 }
 
 void Loader::settleFailed(const Job& job, Error error) {
-    const fs::path file = shownArgument(job.file().native());
+    // Errors name a URL as it is shown, whose host is in small letters however it was written.
+    const std::string word = job.file().native();
+    const auto url = isRemote(job.file()) ? RemoteUrl::parse(word) : fail(ErrorCode::InvalidArgument, "");
+    const fs::path file = url ? url->shown() : shownArgument(word);
     // Everybody may read the catalog: it names files, not where they are.
     std::string reason = error.message;
     for (auto at = reason.find(file.string()); file.has_parent_path() && at != std::string::npos;
@@ -419,7 +426,7 @@ bool Loader::tryLater(Job& job, const Error& error) {
     if (!isRemote(job.file()) || error.code != ErrorCode::Unavailable) return false;
     if (!std::exchange(job.waitsForRemote, true))
         note(error.message + "; it is opened as soon as that can be");
-    catalog_.setProgress(job.id, "waiting", 0, 0);
+    catalog_.setProgress(job.id, Catalog::waitingStage, 0, 0);
     const Monitor::Lock lock(monitor_);
     if (stop_.stop_requested()) return false;
     Job again{.place = job.place, .id = job.id, .number = job.number};
@@ -443,7 +450,7 @@ void Loader::takeLater() {
             ++job;
             continue;
         }
-        own_.push_back(std::move(*job));
+        remote_.push_back(std::move(*job));
         job = later_.erase(job);
     }
 }

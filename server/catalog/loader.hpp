@@ -117,10 +117,15 @@ class Loader {
         std::string id;
         bool leaves = false;  ///< when it has been read: a thread is at it
     };
-    /// Those that this program reads, or those that importers do: each has threads of its own.
-    enum class Lane : std::uint8_t { Own, Importers };
+    /// Those that this program reads, those behind URLs, whose servers may take their time, or those that importers read: each
+    /// has threads of its own.
+    enum class Lane : std::uint8_t { Own, Remote, Importers };
+    static constexpr std::size_t remoteOpeners = 4;
     using Clock = std::chrono::steady_clock;
-    Jobs& jobsOf(Lane lane) { return lane == Lane::Own ? own_ : forImporters_; }
+    Jobs& jobsOf(Lane lane) {
+        return lane == Lane::Own ? own_ : lane == Lane::Remote ? remote_ : forImporters_;
+    }
+    std::size_t ingesters() const { return std::size_t(1 + std::max(1, options_.importers)); }
     Jobs::iterator nextOf(Lane lane);
     void disownLocked(const std::string& id);
     void addLocked(std::vector<std::filesystem::path> files);
@@ -129,7 +134,7 @@ class Loader {
     bool dismissLocked(const std::string& id);
     bool leaveLocked(const std::string& id);
     std::size_t waiting() const {
-        return unsorted_.size() + own_.size() + forImporters_.size() + later_.size();
+        return unsorted_.size() + own_.size() + remote_.size() + forImporters_.size() + later_.size();
     }
     Clock::time_point nextLater() const;
     void takeLater();
@@ -167,7 +172,7 @@ class Loader {
     const LoaderOptions options_;
     std::mutex room_;          // held while it is decided whether a scan fits into memory
     mutable Monitor monitor_;  // guards what follows, and requests of a stop
-    Jobs unsorted_, own_, forImporters_;
+    Jobs unsorted_, own_, remote_, forImporters_;
     Jobs later_;  // behind URLs that cannot be reached at present
     std::vector<Named> named_;
     std::vector<const Job*> loading_;  // room for one of each thread

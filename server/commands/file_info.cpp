@@ -27,12 +27,16 @@ OctreeInfo octreeInfo(std::span<const StoredNode> nodes) {
     return info;
 }
 
-std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink& progress) {
+/// What cannot be fetched now is not damaged: the error is Unavailable.
+Expected<std::vector<DamagedBlock>> checkBlocks(const CloudFile& file, const ProgressSink& progress) {
     std::vector<DamagedBlock> damaged;
+    const auto isAway = [](const auto& read) { return !read && read.error().code == ErrorCode::Unavailable; };
     const auto nodes = file.nodes();
     constexpr std::uint32_t nodesPerReport = 64;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-        if (const auto samples = file.samples(i); !samples)
+        if (const auto samples = file.samples(i); isAway(samples))
+            return passOn(samples);
+        else if (!samples)
             damaged.push_back({i, {}, nodes[i].samples.offset, samples.error().message});
         std::uint64_t last = 0;
         for (std::size_t p = 0; p < file.planes().size(); ++p) {
@@ -40,7 +44,9 @@ std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink&
             if (const std::uint64_t offset = file.planePlace(i, p).offset;
                 std::exchange(last, offset) == offset)
                 continue;
-            if (const auto plane = file.plane(i, p); !plane)
+            if (const auto plane = file.plane(i, p); isAway(plane))
+                return passOn(plane);
+            else if (!plane)
                 damaged.push_back({i, {}, last, plane.error().message});
         }
         if (progress && (i % nodesPerReport == 0 || i + 1 == nodes.size()))
@@ -48,14 +54,16 @@ std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink&
     }
     const std::vector<Photo>& photos = file.facts().photos;
     for (std::uint32_t i = 0; i < photos.size(); ++i) {
-        if (const auto bytes = photos[i].data->read(); !bytes)
+        if (const auto bytes = photos[i].data->read(); isAway(bytes))
+            return passOn(bytes);
+        else if (!bytes)
             damaged.push_back({{}, i, file.photoPlaces()[i].offset, bytes.error().message});
         if (progress) progress({"checking", i + std::uint64_t(1), photos.size(), "photos"});
     }
     return damaged;
 }
 
-FileInfo cloudInfo(const CloudFile& file, bool check, const ProgressSink& progress) {
+Expected<FileInfo> cloudInfo(const CloudFile& file, bool check, const ProgressSink& progress) {
     FileInfo info;
     info.file = file.path();
     info.bytes = file.bytes();
@@ -65,7 +73,11 @@ FileInfo cloudInfo(const CloudFile& file, bool check, const ProgressSink& progre
     info.octree = octreeInfo(file.nodes());
     info.writtenBy = file.writtenBy();
     if (const auto& grid = file.facts().grid) info.gridStep = grid->step;
-    if (check) info.damaged = checkBlocks(file, progress);
+    if (check) {
+        auto damaged = checkBlocks(file, progress);
+        if (!damaged) return passOn(std::move(damaged));
+        info.damaged = std::move(*damaged);
+    }
     info.checked = check;
     return info;
 }
@@ -75,8 +87,8 @@ Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressS
     if (!shared) return passOn(shared);
     const auto opened = CloudFile::open(std::move(*shared));
     if (!opened) return passOn(opened);
-    FileInfo info = cloudInfo(**opened, check, progress);
-    info.file = input.path();
+    auto info = cloudInfo(**opened, check, progress);
+    if (info) info->file = input.path();
     return info;
 }
 

@@ -140,9 +140,7 @@ Expected<void> checkPhotos(const std::vector<BlockPlace>& photos, std::uint64_t 
     return {};
 }
 
-}  // namespace
-
-Expected<FileContents> readContents(const RandomReader& reader) {
+Expected<FileContents> readOnce(const RandomReader& reader) {
     const Opening opening(reader);
     const auto header = opening.header();
     if (!header) return passOn(header);
@@ -162,6 +160,27 @@ Expected<FileContents> readContents(const RandomReader& reader) {
     if (auto ok = checkPlaces(contents.places, contents.lists, contents.nodes, blocksEnd); !ok)
         return passOn(ok);
     return contents;
+}
+
+/// What is kept of the index; true = it may be another when it is read again.
+bool forgetIndex(const RandomReader& reader) {
+    if (!reader.forget(0, cloudHeaderBytes)) return false;
+    const auto header = Opening(reader).header();
+    if (!header) return true;
+    for (const FilePart& part : {header->index, header->planes, header->facts})
+        reader.forget(part.offset, part.bytes);
+    return true;
+}
+
+}  // namespace
+
+// What came over a network, and is kept of it, may be sound the second time.
+Expected<FileContents> readContents(const RandomReader& reader) {
+    auto contents = readOnce(reader);
+    if (contents) return contents;
+    const ErrorCode code = contents.error().code;
+    if (code != ErrorCode::Malformed && code != ErrorCode::Truncated) return contents;
+    return forgetIndex(reader) ? readOnce(reader) : std::move(contents);
 }
 
 }  // namespace scancast

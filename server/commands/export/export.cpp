@@ -90,9 +90,12 @@ Expected<ExportReport> exportInput(const ExportArguments& arguments, const Expor
                                    const ProgressSink& progress, const std::stop_token& stop) {
     if (isRemoteUrl(arguments.input)) {
         RemoteFiles remote{RemoteOptions()};
+        const std::stop_callback whenStopped(stop, [&] { remote.stop(); });
         auto opened = openRemoteCloud(remote, arguments.input);
-        if (!opened) return passOn(std::move(opened));
-        return exportCloud(opened->file, options, progress, stop);
+        auto report = opened ? exportCloud(opened->file, options, progress, stop) : passOn(std::move(opened));
+        if (!report && stop.stop_requested())
+            return fail(ErrorCode::Cancelled, "The export was interrupted.");
+        return report;
     }
     auto input = ScanInput::open(arguments.input);
     if (!input) return passOn(input);

@@ -54,7 +54,10 @@ TEST(RemoteAnswersTest, believesOnlyThePartThatWasAskedForOfTheObjectThatWasOpen
         head.status = status;
         return head;
     };
-    EXPECT_EQ(kind(judge(answers(412), 0, 1, nullptr)), Fault::Kind::Changed);
+    for (const long gone : {412L, 416L})
+        EXPECT_EQ(kind(judge(answers(gone), 0, 1, &state)), Fault::Kind::Changed);
+    EXPECT_EQ(kind(judge(answers(412), 0, 1, nullptr)), Fault::Kind::Refused);
+    EXPECT_EQ(kind(judge(answers(416), 0, 1, nullptr)), Fault::Kind::Unsuitable) << "it is empty";
     EXPECT_EQ(kind(judge(answers(404), 0, 1, nullptr)), Fault::Kind::Refused);
     EXPECT_EQ(kind(judge(answers(500), 0, 1, nullptr)), Fault::Kind::Unreachable);
     EXPECT_EQ(kind(judge(answers(200), 0, 1, nullptr)), Fault::Kind::Unsuitable);

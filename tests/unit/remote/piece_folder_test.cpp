@@ -51,6 +51,7 @@ TEST(PieceFolderTest, whatWasNotUsedForLongestMakesRoom) {
     constexpr std::uint64_t limit = 400'000;
     auto pieces = PieceFolder::open(folder, limit);
     ASSERT_TRUE(pieces);
+    while (!(*pieces)->counted()) std::this_thread::yield();
     for (std::uint64_t piece = 0; piece < 20; ++piece) {
         (*pieces)->save("key", piece, filled(50'000, int(piece)));
         // Times of access differ by more than a clock's step.

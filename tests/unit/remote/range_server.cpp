@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 
 namespace scancast::test {
@@ -80,9 +81,12 @@ void RangeServer::serve(int connection) {
         const std::string head = read.substr(0, end + 2);
         read.erase(0, end + 4);
         if (away_) break;
-        const std::string said = answer(head, close);
-        for (std::size_t sent = 0; sent < said.size();) {
-            const ssize_t some = ::send(connection, said.data() + sent, said.size() - sent, MSG_NOSIGNAL);
+        bool drips = false;
+        const std::string said = answer(head, close, drips);
+        for (std::size_t sent = 0; sent < said.size() && !stopping_;) {
+            if (drips) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            const ssize_t some =
+                ::send(connection, said.data() + sent, drips ? 1 : said.size() - sent, MSG_NOSIGNAL);
             if (some <= 0) break;
             sent += std::size_t(some);
         }
@@ -90,7 +94,7 @@ void RangeServer::serve(int connection) {
     ::shutdown(connection, SHUT_RDWR);
 }
 
-std::string RangeServer::answer(const std::string& head, bool& close) {
+std::string RangeServer::answer(const std::string& head, bool& close, bool& drips) {
     const std::lock_guard lock(mutex_);
     const int number = requests_++;
     head_ = head;
@@ -108,6 +112,8 @@ std::string RangeServer::answer(const std::string& head, bool& close) {
     if (does == Does::Redirects && head.find("GET /moved ") == head.npos)
         return plain(302, "Location: /moved\r\n", "");
     if (does == Does::Hangs) return close = true, std::string();
+    if (does == Does::Silent) return {};
+    drips = does == Does::Drips;
     if (const auto at = head.find("If-Match: ");
         at != head.npos && head.substr(at + 10, etag_.size()) != etag_)
         return plain(412, "", "");

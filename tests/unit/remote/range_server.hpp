@@ -16,7 +16,9 @@ class RangeServer {
   public:
     enum class Does : std::uint8_t {
         Well,
-        Hangs,  ///< up at once, without an answer
+        Hangs,   ///< up at once, without an answer
+        Silent,  ///< and the connection stays
+        Drips,   ///< a byte every 20 ms
         Answers503,
         Answers404,
         Answers403,   ///< with an error of S3
@@ -47,7 +49,7 @@ class RangeServer {
   private:
     void accept();
     void serve(int connection);
-    std::string answer(const std::string& head, bool& close);
+    std::string answer(const std::string& head, bool& close, bool& drips);
 
     int listener_ = -1;
     std::uint16_t port_ = 0;

@@ -95,6 +95,7 @@ TEST(RemoteFileTest, fetchesWhatStandsSideBySideTogether) {
 // Seeded faults of every kind that may pass: what is read is right nevertheless.
 TEST(RemoteFileTest, triesAgainWhatMayPass) {
     const std::string content = noise(2 << 20);
+    std::uint64_t retries = 0;
     for (unsigned seed = 1; seed <= unsigned(test::sized(8, 2)); ++seed) {
         RangeServer server(content);
         std::mt19937 random(seed);
@@ -120,8 +121,9 @@ TEST(RemoteFileTest, triesAgainWhatMayPass) {
         readers.clear();
         // A connection that turns out to be dead is replaced by the library without a word.
         EXPECT_LE(files.stats().transfers.requests, std::uint64_t(server.requests()));
-        EXPECT_GT(files.stats().transfers.retries, 0u);
+        retries += files.stats().transfers.retries;
     }
+    EXPECT_GT(retries, 0u);
 }
 
 struct Hostile {
@@ -184,6 +186,10 @@ TEST(RemoteFileTest, isAwayWhileItsServerIsAndBackByItself) {
     server.goAway(false);
     ASSERT_TRUE(comesTrue([&] { return !file->away(); }));
     EXPECT_EQ(read(*file, 500'000, 100), content.substr(500'000, 100));
+    EXPECT_TRUE(comesTrue([&] {
+        const std::lock_guard lock(mutex);
+        return notes.size() >= 2;
+    }));
     const std::lock_guard lock(mutex);
     ASSERT_EQ(notes.size(), 2u) << "once each, however much was asked for";
     EXPECT_THAT(notes[1], HasSubstr("can be fetched again"));
@@ -246,6 +252,57 @@ TEST(RemoteFileTest, endsItsWaitsWhenItIsStopped) {
     files.stop();
     reader.join();
     EXPECT_FALSE(files.open(urlOf(server)));
+}
+
+// A server that takes a request and never says anything, and one that never comes to an end: both have one, and who reads from
+// another server meanwhile does not notice.
+TEST(RemoteFileTest, givesUpServersThatSayNothingOrNeverEnd) {
+    const std::string content = noise(1 << 20);
+    RangeServer hung(content), well(content);
+    RemoteOptions options = quick();
+    options.tries = 1;
+    options.transfers.limits.whole = milliseconds(400);
+    RemoteFiles files(options);
+    for (const Does does : {Does::Silent, Does::Drips}) {
+        hung.script([](int) { return Does::Well; });
+        const auto file = *files.open(urlOf(hung)), healthy = *files.open(urlOf(well));
+        hung.script([does](int) { return does; });
+        const int before = hung.requests();
+        std::jthread reader([&] { EXPECT_EQ(errorOfReading(*file, 500'000).code, ErrorCode::Unavailable); });
+        EXPECT_TRUE(comesTrue([&] { return hung.requests() > before; }));
+        EXPECT_EQ(read(*healthy, 300'000, 100'000), content.substr(300'000, 100'000));
+        reader.join();
+        EXPECT_TRUE(file->away());
+    }
+}
+
+TEST(RemoteFileTest, endsItsWaitForAServerThatSaysNothing) {
+    RangeServer server(noise(1 << 20));
+    RemoteOptions options = quick();
+    options.transfers.limits.stall = options.transfers.limits.whole = std::chrono::hours(1);
+    RemoteFiles files(options);
+    const auto file = *files.open(urlOf(server));
+    server.script([](int) { return Does::Silent; });
+    std::jthread reader([&] { EXPECT_EQ(errorOfReading(*file, 500'000).code, ErrorCode::Unavailable); });
+    EXPECT_TRUE(comesTrue([&] { return server.requests() > 1; }));
+    files.stop();
+    reader.join();
+}
+
+// What was asked for ahead is there when it is read, however little memory there is.
+TEST(RemoteFileTest, doesNotFetchTwiceWhatIsReadFromItsStartToItsEnd) {
+    const std::string content = noise(8 << 20);
+    RangeServer server(content);
+    RemoteOptions options = quick();
+    options.memory = 2 << 20;
+    RemoteFiles files(options);
+    const auto file = *files.open(urlOf(server));
+    constexpr std::uint64_t step = 100'000;
+    for (std::uint64_t at = 0; at < content.size(); at += step) {
+        file->expect(at, 8 << 20);
+        EXPECT_EQ(read(*file, at, step), content.substr(at, step));
+    }
+    EXPECT_EQ(files.stats().misses, content.size() / RemoteFile::pieceBytes - 1);
 }
 
 }  // namespace

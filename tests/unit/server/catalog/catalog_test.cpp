@@ -98,6 +98,21 @@ TEST(Catalog, APreviewCanBeLookedAtWhileTheRestIsLoaded) {
     EXPECT_EQ((*catalog.cloud(id))->points, 100U) << "a late preview never takes the place of the cloud";
 }
 
+TEST(Catalog, WhatCannotBeReachedIsNotWaitedForOnceSomethingIsShown) {
+    Catalog catalog;
+    const std::string away = catalog.add("away"), town = catalog.add("town");
+    catalog.setProgress(away, Catalog::waitingStage, 0, 0);
+    EXPECT_FALSE(catalog.settled());
+    catalog.setReady(town, test::tinyCloud());
+    EXPECT_TRUE(catalog.settled());
+    Catalog other;
+    const std::string late = other.add("away");
+    other.setReady(other.add("town"), test::tinyCloud());
+    EXPECT_FALSE(other.settled());
+    other.setProgress(late, Catalog::waitingStage, 0, 0);
+    EXPECT_TRUE(other.settled());
+}
+
 TEST(Catalog, ACloudIsReplacedWhereItIsStillShown) {
     Catalog catalog;
     const std::string id = catalog.add("town");

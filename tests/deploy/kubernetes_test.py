@@ -200,9 +200,9 @@ class Kubernetes(unittest.TestCase):
             with tempfile.TemporaryDirectory() as folder:
                 os.makedirs(os.path.join(folder, "clouds"))
                 os.makedirs(os.path.join(folder, "cache"))
-                for name, line in (("token", "{}"), ("session-key", "sessions {}")):
+                for name, line in (("token", "0f7d5cb8e1a94263b7c85d0e6f1a2b93"), ("session-key", "sessions 5a1e9c07d3b84f62a0c7e8d91b24f635")):
                     with open(os.path.join(folder, name), "w", encoding="ascii", opener=lambda path, how: os.open(path, how, 0o400)) as file:
-                        file.write(line.format("0f7d5cb8e1a94263b7c85d0e6f1a2b93") + "\n")
+                        file.write(line + "\n")
                 places = {"/run/secrets/scancast": folder, "/clouds": os.path.join(folder, "clouds")}
                 for name, value in settings.items():
                     for there, here in places.items():

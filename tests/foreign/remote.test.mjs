@@ -185,7 +185,7 @@ test('who answers GET alone, and has a secret in the URL, is read, and the secre
   assert.equal(wrong.code, 1);
   assert.match(wrong.said, /there is no such object/);
   for (const words of [['serve', signed, '--check-config'], ['serve', `${signed}#x`], ['label', signed], ['ingest', signed, '-o', 'x.scan'],
-    ['look', signed, '--decide'], ['export', signed.replace('town', 'nothing'), '-o', join(folder, 'x.las')], ['render', signed, signed, '-o', 'x.png']])
+    ['look', signed, '--decide'], ['export', signed.replace('town', 'nothing'), '-o', join(folder, 'x.las')], ['render', signed, signed, '-o', join(folder, 'x.png')]])
     wrong.said += (await run(words)).said;
   assert.doesNotMatch(told.said + wrong.said, /topsecret/);
 });

@@ -47,21 +47,21 @@ std::optional<std::chrono::seconds> secondsOf(std::string_view text) {
     return std::chrono::seconds(std::min(seconds, longest));
 }
 
-Fault faultOf(const AnswerHead& head, std::string_view body, bool isOpen) {
+RequestFault faultOf(const AnswerHead& head, std::string_view body, bool isOpen) {
     const std::string code = s3ErrorCode(body);
-    Fault fault{Fault::Kind::Refused,
-                fmt::format("it answers {}{}", head.status, code.empty() ? "" : " " + code)};
+    RequestFault fault{RequestFault::Kind::Refused,
+                       fmt::format("it answers {}{}", head.status, code.empty() ? "" : " " + code)};
     if (head.status == 416 && !isOpen) {
-        fault.kind = Fault::Kind::Unsuitable;
+        fault.kind = RequestFault::Kind::Unsuitable;
         fault.text = "it is empty";
     } else if (isOpen && (head.status == 412 || head.status == 416)) {
-        fault.kind = Fault::Kind::Changed;
+        fault.kind = RequestFault::Kind::Changed;
         fault.text = "it has been replaced by another";
     } else if (head.status == 408 || head.status == 425 || head.status == 429 || head.status >= 500) {
-        fault.kind = Fault::Kind::Unreachable;
+        fault.kind = RequestFault::Kind::Unreachable;
         fault.after = secondsOf(head.retryAfter);
     } else if (head.status == 200) {
-        fault.kind = Fault::Kind::Unsuitable;
+        fault.kind = RequestFault::Kind::Unsuitable;
         fault.text = "its server sends all of it where a part was asked for (it must support range requests)";
     } else if (head.status >= 300 && head.status < 400) {
         fault.text += ", a redirection that is not followed";
@@ -126,10 +126,11 @@ void AnswerHead::add(std::string_view line) {
         if (isSame(name, known)) *into = value;
 }
 
-tl::expected<ObjectState, Fault> judge(const AnswerHead& head, std::uint64_t first, std::uint64_t bytes,
-                                       const ObjectState* expected, std::string_view body) {
+tl::expected<ObjectState, RequestFault> judge(const AnswerHead& head, std::uint64_t first,
+                                              std::uint64_t bytes, const ObjectState* expected,
+                                              std::string_view body) {
     const auto unsuitable = [](std::string text) {
-        return tl::unexpected(Fault{Fault::Kind::Unsuitable, std::move(text)});
+        return tl::unexpected(RequestFault{RequestFault::Kind::Unsuitable, std::move(text)});
     };
     if (head.status != 206) return tl::unexpected(faultOf(head, body, expected != nullptr));
     if (!head.contentEncoding.empty() && !isSame(head.contentEncoding, "identity"))
@@ -138,7 +139,7 @@ tl::expected<ObjectState, Fault> judge(const AnswerHead& head, std::uint64_t fir
     if (!range) return unsuitable("its server does not say which part it sends (no sound Content-Range)");
     ObjectState state{range->total, head.etag, head.lastModified};
     if (expected && state != *expected)
-        return tl::unexpected(Fault{Fault::Kind::Changed, "it has been replaced by another"});
+        return tl::unexpected(RequestFault{RequestFault::Kind::Changed, "it has been replaced by another"});
     if (bytes == 0 || range->first != first ||
         range->last != first + std::min(bytes, range->total - first) - 1)
         return unsuitable("its server sends another part than was asked for");

@@ -44,7 +44,7 @@ struct AnswerHead {
 };
 
 /// Why there are no bytes.
-struct Fault {
+struct RequestFault {
     enum class Kind : std::uint8_t {
         Unreachable,  ///< nothing or half an answer came, or the server is not able to give one: worth another try
         Refused,     ///< it answers, and will the next time: 403, 404 …
@@ -59,7 +59,8 @@ struct Fault {
 
 /// The state of the object where the answer brings `bytes` bytes from `first` on, or as many as there are; `expected` is the
 /// state that it has to have (nullptr = any). `body`: of an error, its beginning.
-tl::expected<ObjectState, Fault> judge(const AnswerHead& head, std::uint64_t first, std::uint64_t bytes,
-                                       const ObjectState* expected, std::string_view body = {});
+tl::expected<ObjectState, RequestFault> judge(const AnswerHead& head, std::uint64_t first,
+                                              std::uint64_t bytes, const ObjectState* expected,
+                                              std::string_view body = {});
 
 }  // namespace scancast

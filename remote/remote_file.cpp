@@ -244,8 +244,8 @@ std::vector<RemoteFile::Request> RemoteFile::requestsDue() const {
     return due;
 }
 
-void RemoteFile::goAway(const Fault& fault) const {
-    if (fault.kind == Fault::Kind::Changed) changed_ = true;
+void RemoteFile::goAway(const RequestFault& fault) const {
+    if (fault.kind == RequestFault::Kind::Changed) changed_ = true;
     if (!away_) {
         away_ = fault;
         ++commons_->away;
@@ -255,7 +255,7 @@ void RemoteFile::goAway(const Fault& fault) const {
             failPiece(piece);
 }
 
-milliseconds RemoteFile::backOff(const Fault& fault) const {
+milliseconds RemoteFile::backOff(const RequestFault& fault) const {
     const auto own = backOff_ ? std::min(*backOff_ * 2, commons_->lastProbe) : commons_->firstProbe;
     backOff_ = own;
     const milliseconds wanted = fault.after ? milliseconds(*fault.after) : milliseconds(0);
@@ -298,12 +298,13 @@ void RemoteFile::arrived(const Request& request, PartOrFault result) const {
                      std::make_shared<const std::vector<std::byte>>(one.begin(), one.end()), false);
             }
         } catch (const std::bad_alloc&) {
-            result = tl::unexpected(Fault{Fault::Kind::Unreachable, "there is not enough memory"});
+            result =
+                tl::unexpected(RequestFault{RequestFault::Kind::Unreachable, "there is not enough memory"});
         }
         if (!result) {
-            isChange = result.error().kind == Fault::Kind::Changed && !changed_;
-            isAbsence = result.error().kind != Fault::Kind::Changed &&
-                        result.error().kind != Fault::Kind::Stopped && !away_ && !changed_;
+            isChange = result.error().kind == RequestFault::Kind::Changed && !changed_;
+            isAbsence = result.error().kind != RequestFault::Kind::Changed &&
+                        result.error().kind != RequestFault::Kind::Stopped && !away_ && !changed_;
             isFirst = isAbsence && !backOff_;
             if (isAbsence) delay = backOff(result.error());
             goAway(result.error());
@@ -325,7 +326,7 @@ void RemoteFile::tellOfChange() const {
     if (commons_->onChanged) commons_->onChanged();
 }
 
-void RemoteFile::tellOfAbsence(const Fault& fault) const {
+void RemoteFile::tellOfAbsence(const RequestFault& fault) const {
     note(fmt::format(
         "{} cannot be fetched at present: {}. What is here of it is shown, and it is tried again.", shown(),
         fault.text));
@@ -340,8 +341,8 @@ void RemoteFile::probe(std::optional<milliseconds> delay) const {
 }
 
 void RemoteFile::probed(const PartOrFault& result, bool again) const {
-    if (!result && result.error().kind == Fault::Kind::Stopped) return;
-    const bool isOther = !result && result.error().kind == Fault::Kind::Changed;
+    if (!result && result.error().kind == RequestFault::Kind::Stopped) return;
+    const bool isOther = !result && result.error().kind == RequestFault::Kind::Changed;
     bool isNews = false;
     milliseconds delay{0};
     {

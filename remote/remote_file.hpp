@@ -105,16 +105,16 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     void keep(std::uint64_t piece, Bytes bytes, bool saved) const;
     void makeRoom() const;
     std::vector<Request> requestsDue() const;
-    void goAway(const Fault& fault) const;
+    void goAway(const RequestFault& fault) const;
     /// Before the next question whether the server is back.
-    std::chrono::milliseconds backOff(const Fault& fault) const;
+    std::chrono::milliseconds backOff(const RequestFault& fault) const;
     std::uint64_t share() const;
     void failPiece(std::uint64_t piece) const;
     // Without it.
     void send(const std::vector<Request>& requests) const;
     void arrived(const Request& request, PartOrFault result) const;
     void tellOfChange() const;
-    void tellOfAbsence(const Fault& fault) const;
+    void tellOfAbsence(const RequestFault& fault) const;
     /// `delay`: before it, and again and again while there is no answer; nullopt = once, now.
     void probe(std::optional<std::chrono::milliseconds> delay) const;
     void probed(const PartOrFault& result, bool again) const;
@@ -132,7 +132,7 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     mutable std::list<std::uint64_t> uses_;    // here, the last used first
     mutable std::uint64_t bytesHere_ = 0;
     mutable std::size_t underWay_ = 0;
-    mutable std::optional<Fault> away_{};
+    mutable std::optional<RequestFault> away_{};
     /// The last wait for a server that was away; nullopt once a part has come: an answer of a byte does not make it well.
     mutable std::optional<std::chrono::milliseconds> backOff_{};
     mutable bool changed_ = false;

@@ -23,10 +23,10 @@ class SharedReader final : public RandomReader {
     const std::shared_ptr<const RemoteFile> file_;
 };
 
-Error errorOf(const Fault& fault, const std::string& shown) {
+Error errorOf(const RequestFault& fault, const std::string& shown) {
     ErrorCode code = ErrorCode::Unavailable;
-    if (fault.kind == Fault::Kind::Unsuitable) code = ErrorCode::Unsupported;
-    if (fault.kind == Fault::Kind::Refused)
+    if (fault.kind == RequestFault::Kind::Unsuitable) code = ErrorCode::Unsupported;
+    if (fault.kind == RequestFault::Kind::Refused)
         code = fault.text.find("no such object") != std::string::npos ? ErrorCode::NotFound : ErrorCode::Io;
     return {code, shown + ": " + fault.text, {}};
 }

@@ -15,23 +15,23 @@ bool isSecure(const std::string& url) {
 }
 
 /// The library's own words, which name neither hosts nor queries.
-Fault faultOfCurl(CURLcode code) {
+RequestFault faultOfCurl(CURLcode code) {
     switch (code) {
         case CURLE_TOO_MANY_REDIRECTS:
-            return {Fault::Kind::Refused, "it redirects without an end"};
+            return {RequestFault::Kind::Refused, "it redirects without an end"};
         case CURLE_UNSUPPORTED_PROTOCOL:
-            return {Fault::Kind::Refused,
+            return {RequestFault::Kind::Refused,
                     "it redirects to where no file is fetched from (https leads to https only)"};
         case CURLE_PEER_FAILED_VERIFICATION:
-            return {Fault::Kind::Refused,
+            return {RequestFault::Kind::Refused,
                     "its certificate is not one that this machine trusts (SSL_CERT_FILE names other "
                     "authorities)"};
         case CURLE_SSL_CACERT_BADFILE:
-            return {Fault::Kind::Refused, "the file of certificates to trust cannot be read"};
+            return {RequestFault::Kind::Refused, "the file of certificates to trust cannot be read"};
         case CURLE_OPERATION_TIMEDOUT:
-            return {Fault::Kind::Unreachable, "it did not answer in time"};
+            return {RequestFault::Kind::Unreachable, "it did not answer in time"};
         default:
-            return {Fault::Kind::Unreachable, curl_easy_strerror(code)};
+            return {RequestFault::Kind::Unreachable, curl_easy_strerror(code)};
     }
 }
 
@@ -130,7 +130,7 @@ bool Transfer::takeBody(std::string_view data) {
         }
     }
     if (data.size() > ask_.bytes - bytes_.size()) {
-        fault_ = Fault{Fault::Kind::Unsuitable, "its server sends more than was asked for"};
+        fault_ = RequestFault{RequestFault::Kind::Unsuitable, "its server sends more than was asked for"};
         return false;
     }
     if (bytes_.empty()) bytes_.reserve(ask_.bytes);
@@ -146,7 +146,7 @@ PartOrFault Transfer::end(CURLcode result) {
     auto state = judge(head_, ask_.first, ask_.bytes, ask_.expected ? &*ask_.expected : nullptr, errorBody_);
     if (!state) return tl::unexpected(std::move(state.error()));
     if (bytes_.size() != std::min(ask_.bytes, state->bytes - ask_.first))
-        return tl::unexpected(Fault{Fault::Kind::Unreachable, "its answer ended too early"});
+        return tl::unexpected(RequestFault{RequestFault::Kind::Unreachable, "its answer ended too early"});
     return Part{std::move(*state), std::move(bytes_)};
 }
 

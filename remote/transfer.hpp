@@ -30,7 +30,7 @@ struct Part {
     ObjectState state;
     std::vector<std::byte> bytes;
 };
-using PartOrFault = tl::expected<Part, Fault>;
+using PartOrFault = tl::expected<Part, RequestFault>;
 /// Called once, on the thread of the transfers; must not wait.
 using PartDone = std::function<void(PartOrFault)>;
 
@@ -73,7 +73,7 @@ class Transfer {
     AnswerHead head_;
     std::vector<std::byte> bytes_;
     std::string errorBody_;
-    std::optional<Fault> fault_;
+    std::optional<RequestFault> fault_;
 };
 
 }  // namespace scancast

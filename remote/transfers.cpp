@@ -17,8 +17,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds longestNap{1000};
 constexpr std::size_t mostSpareHandles = 32;
 
-Fault stopped() {
-    return {Fault::Kind::Stopped, "this program is ending"};
+RequestFault stopped() {
+    return {RequestFault::Kind::Stopped, "this program is ending"};
 }
 
 /// What the thread and its owner have together: the thread may be the last to let go.
@@ -108,8 +108,8 @@ class CurlTransfers {
         ++one.tried;
         if (!ready || !one.transfer->begin(std::move(ready), options_.limits) ||
             curl_multi_add_handle(multi_.get(), one.transfer->handle()) != CURLM_OK)
-            settle(at, tl::unexpected(
-                           Fault{Fault::Kind::Unreachable, "there is not enough memory for a request"}));
+            settle(at, tl::unexpected(RequestFault{RequestFault::Kind::Unreachable,
+                                                   "there is not enough memory for a request"}));
     }
 
     void takeEnded() {
@@ -130,7 +130,7 @@ class CurlTransfers {
 
     void settle(std::list<One>::iterator at, PartOrFault result) {
         Waiting& one = **at;
-        if (!result && result.error().kind == Fault::Kind::Unreachable &&
+        if (!result && result.error().kind == RequestFault::Kind::Unreachable &&
             one.tried < one.transfer->ask().tries) {
             one.due = Clock::now() + delayAfter(one.tried, result.error());
             return waiting_.splice(waiting_.end(), underWay_, at);
@@ -142,7 +142,7 @@ class CurlTransfers {
     }
 
     /// Between half and all of what is due, so that those who failed together do not come back together.
-    milliseconds delayAfter(int tries, const Fault& fault) {
+    milliseconds delayAfter(int tries, const RequestFault& fault) {
         auto delay = options_.firstDelay;
         for (int i = 1; i < tries && delay < options_.longestDelay; ++i) delay *= 2;
         delay = std::min(delay, options_.longestDelay);

@@ -41,26 +41,28 @@ TEST(RemoteAnswersTest, believesOnlyThePartThatWasAskedForOfTheObjectThatWasOpen
     const ObjectState state{100, "\"tag\"", ""};
     EXPECT_EQ(judge(sound, 10, 10, nullptr), state);
     EXPECT_TRUE(judge(sound, 10, 10, &state));
-    const auto kind = [](const tl::expected<ObjectState, Fault>& judged) { return judged.error().kind; };
-    EXPECT_EQ(kind(judge(sound, 10, 11, nullptr)), Fault::Kind::Unsuitable);
-    EXPECT_EQ(kind(judge(sound, 9, 10, nullptr)), Fault::Kind::Unsuitable);
+    const auto kind = [](const tl::expected<ObjectState, RequestFault>& judged) {
+        return judged.error().kind;
+    };
+    EXPECT_EQ(kind(judge(sound, 10, 11, nullptr)), RequestFault::Kind::Unsuitable);
+    EXPECT_EQ(kind(judge(sound, 9, 10, nullptr)), RequestFault::Kind::Unsuitable);
     const AnswerHead end{206, "bytes 90-99/100", "", "\"tag\"", "", ""};
     EXPECT_TRUE(judge(end, 90, 64, &state)) << "where it ends there is less";
     for (const ObjectState& other :
          {ObjectState{101, "\"tag\"", ""}, {100, "\"new\"", ""}, {100, "\"tag\"", "Thu"}})
-        EXPECT_EQ(kind(judge(sound, 10, 10, &other)), Fault::Kind::Changed);
+        EXPECT_EQ(kind(judge(sound, 10, 10, &other)), RequestFault::Kind::Changed);
     const auto answers = [](long status) {
         AnswerHead head;
         head.status = status;
         return head;
     };
     for (const long gone : {412L, 416L})
-        EXPECT_EQ(kind(judge(answers(gone), 0, 1, &state)), Fault::Kind::Changed);
-    EXPECT_EQ(kind(judge(answers(412), 0, 1, nullptr)), Fault::Kind::Refused);
-    EXPECT_EQ(kind(judge(answers(416), 0, 1, nullptr)), Fault::Kind::Unsuitable) << "it is empty";
-    EXPECT_EQ(kind(judge(answers(404), 0, 1, nullptr)), Fault::Kind::Refused);
-    EXPECT_EQ(kind(judge(answers(500), 0, 1, nullptr)), Fault::Kind::Unreachable);
-    EXPECT_EQ(kind(judge(answers(200), 0, 1, nullptr)), Fault::Kind::Unsuitable);
+        EXPECT_EQ(kind(judge(answers(gone), 0, 1, &state)), RequestFault::Kind::Changed);
+    EXPECT_EQ(kind(judge(answers(412), 0, 1, nullptr)), RequestFault::Kind::Refused);
+    EXPECT_EQ(kind(judge(answers(416), 0, 1, nullptr)), RequestFault::Kind::Unsuitable) << "it is empty";
+    EXPECT_EQ(kind(judge(answers(404), 0, 1, nullptr)), RequestFault::Kind::Refused);
+    EXPECT_EQ(kind(judge(answers(500), 0, 1, nullptr)), RequestFault::Kind::Unreachable);
+    EXPECT_EQ(kind(judge(answers(200), 0, 1, nullptr)), RequestFault::Kind::Unsuitable);
     AnswerHead slow = answers(429);
     slow.retryAfter = "7";
     EXPECT_EQ(judge(slow, 0, 1, nullptr).error().after, std::chrono::seconds(7));

@@ -76,7 +76,7 @@ endif()
 if(TARGET scancast-ranks)
   scancast_package(ranks scancast-ranks "point cloud server Scancast by many processes
 A program that mpirun starts several times, on one machine or many, so that they
-turn scans into a cloud file together."
+turn scans into a cloud file together, or draw pictures together."
     PACKAGE_SHLIBDEPS ON
     PACKAGE_DEPENDS "scancast (= ${PROJECT_VERSION}-1)"
     PACKAGE_RECOMMENDS "openmpi-bin")

@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
         "Scancast by several processes that work together, on one machine or many: ranks, started by "
         "mpirun."};
     app.set_version_flag("--version", "scancast-ranks " + std::string(scancast::scancastVersion()));
-    app.footer("Example: mpirun -n 4 scancast-ranks ingest flight/ -o flight.scan\n" +
+    app.footer("Example: mpirun -n 4 --bind-to none scancast-ranks ingest flight/ -o flight.scan\n" +
                std::string(scancast::exitCodesText));
     app.require_subcommand(0, 1);
     int exitCode = 0;

@@ -135,6 +135,8 @@ void addRanksIngest(CLI::App& app, int& exitCode) {
                    "there. The file is the "
                    "same whatever the number");
     command->footer(ranksIngestExamples);
+    command->get_option("inputs")->description(
+        "Scans, folders of them, or patterns such as 'flight/*.laz', all merged into one cloud");
     command->callback([arguments, &exitCode] { exitCode = runRanksIngest(*arguments); });
 }
 

@@ -166,7 +166,8 @@ void addRanksRender(CLI::App& app, int& exitCode) {
         "render",
         "Render one picture of a cloud file by all ranks, each with a share of it in memory: the same bytes "
         "as scancast render writes");
-    command->footer("Example: mpirun -n 4 scancast-ranks render city.scan -o city.png --method ewa");
+    command->footer(
+        "Example: mpirun -n 4 --bind-to none scancast-ranks render city.scan -o city.png --method ewa");
     auto arguments = std::make_shared<RanksRenderArguments>();
     command->add_option("FILE", arguments->file, "The cloud file")->required();
     command->add_option("-o,--output", arguments->output, "The picture to write: .png, .jpg or .jpeg");

@@ -163,9 +163,11 @@ void addRanksServe(CLI::App& app, int& exitCode) {
         "Rank 0 has the "
         "network; every rank needs the cloud files under the same names. Memory and threads are a rank's",
         serveByRanks);
+    command->get_option("FILE")->description(
+        "The cloud files to serve, on disk, under the same names on every rank");
     command->footer(
-        "Example: mpirun -n 4 scancast-ranks serve city.scan --memory-limit 8G --threads 4\n"
-        "         mpirun -n 8 --hostfile machines scancast-ranks serve /shared/country.scan");
+        "Example: mpirun -n 4 --bind-to none scancast-ranks serve city.scan --memory-limit 8G --threads 4\n"
+        "         mpirun --hostfile machines -N 1 --bind-to none scancast-ranks serve /shared/country.scan");
 }
 
 }  // namespace scancast

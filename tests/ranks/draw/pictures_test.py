@@ -16,17 +16,14 @@ import unittest
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "load"))
 import serving
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from by_mpirun import by_ranks
+
 TESTS = os.path.abspath(sys.argv.pop())
 PROGRAMS = os.path.abspath(sys.argv.pop())
 PATIENCE = 120  # seconds; only a hang takes so long
 QUERY = "width=160&height=90&samples=4&method=ewa"
 FLAGS = ["--width", "160", "--height", "90", "--samples", "4", "--method", "ewa"]
-
-
-def by_ranks(count, *command):
-    """As many as asked for, whatever there is; not as one who may not."""
-    may = ["--allow-run-as-root"] if os.geteuid() == 0 else []
-    return ["mpirun", *may, "--oversubscribe", "--bind-to", "none", "-n", str(count), *command]
 
 
 class RanksServer(serving.Server):

@@ -11,16 +11,13 @@ import tempfile
 import time
 import unittest
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from by_mpirun import by_ranks
+
 REAL = os.path.abspath(sys.argv.pop())
 TESTS = os.path.abspath(sys.argv.pop())
 PROGRAMS = os.path.abspath(sys.argv.pop())
 PATIENCE = 120  # seconds; only a hang takes so long
-
-
-def by_ranks(count, *command):
-    """As many as asked for, whatever there is; not as one who may not."""
-    may = ["--allow-run-as-root"] if os.geteuid() == 0 else []
-    return ["mpirun", *may, "--quiet", "--oversubscribe", "--bind-to", "none", "-n", str(count), *command]
 
 
 class Ingest(unittest.TestCase):

@@ -18,11 +18,9 @@
 #include <vector>
 
 #include "protocol/error.hpp"
+#include "ranks/mpi/rank_bytes.hpp"
 
 namespace scancast {
-
-/// (Bytes are a picture's, renderer/image/encode.hpp.)
-using RankBytes = std::vector<std::byte>;
 
 class Communicator {
   public:

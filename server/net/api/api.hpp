@@ -46,6 +46,7 @@ struct ApiOptions {
     TransientMemory memory{};
     std::string probesHost{};       ///< of --admin-listen; a Host there may name it
     std::string strictTransport{};  ///< of answers that go through TLS; empty = none
+    std::function<RanksStats()> ranks{};  ///< for /metrics; may be empty
 };
 
 class Api {

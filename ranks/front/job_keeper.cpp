@@ -18,10 +18,12 @@ constexpr auto startsWithin = std::chrono::minutes(2);
 /// The first rank says twice a second that all are there (ranks/front/heartbeat.hpp), which itself gives up sooner.
 constexpr auto silenceOfLost = std::chrono::seconds(8);
 constexpr auto standstillOfLost = std::chrono::seconds(1);
+/// mpirun, when a rank has gone.
+constexpr auto endsByItselfWithin = std::chrono::milliseconds(1500);
 /// Between looks at whether a picture is still wanted, and pauses, as the cpu device makes them.
 constexpr auto drawSlice = std::chrono::milliseconds(5);
 /// A job that has lived for so long is started again at once.
-constexpr auto soundAfter = std::chrono::seconds(20);
+constexpr auto soundAfter = std::chrono::seconds(10);
 constexpr auto firstPause = std::chrono::milliseconds(1000);
 constexpr auto longestPause = std::chrono::milliseconds(10000);
 
@@ -35,6 +37,7 @@ JobKeeper::~JobKeeper() {
     {
         const Lock lock(monitor_);
         stopping_ = true;
+        if (process_ != nullptr) process_->ask();
         if (socket_) socket_->close();
     }
     if (thread_.joinable()) thread_.join();
@@ -106,7 +109,16 @@ std::string JobKeeper::runOnce() {
         if (process->hasEnded()) return fmt::format("{} did not start them: {}", start_.front(), process->howItEnded());
         return fmt::format("{} did not start them in time", start_.front());
     }
-    return talk(std::move(*socket));
+    setProcess(&*process);
+    std::string why = talk(std::move(*socket));
+    setProcess(nullptr);
+    process->end(endsByItselfWithin);
+    return fmt::format("{} ({}: {})", why, start_.front(), process->howItEnded());
+}
+
+void JobKeeper::setProcess(JobProcess* process) {
+    const Lock lock(monitor_);
+    process_ = process;
 }
 
 /// Until nothing more comes from it; why.

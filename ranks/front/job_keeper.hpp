@@ -84,6 +84,7 @@ class JobKeeper {
     void answer(std::uint64_t id, Expected<Frame> frame);
     void setUp(std::shared_ptr<JobSocket> socket, const JobHello& hello);
     void setLost();
+    void setProcess(JobProcess* process);
     bool waitBeforeNext(std::chrono::milliseconds pause);
 
     const std::vector<std::string> start_, draw_;
@@ -91,6 +92,7 @@ class JobKeeper {
     mutable Monitor monitor_;  // guards what follows
     JobStatus status_;
     std::shared_ptr<JobSocket> socket_;  // while it is up
+    JobProcess* process_ = nullptr;      // while it is talked to
     std::map<std::uint64_t, Awaited> awaited_;
     std::uint64_t lastId_ = 0;
     bool stopping_ = false;

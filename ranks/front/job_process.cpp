@@ -121,12 +121,20 @@ bool JobProcess::hasEnded() {
     return status_ || pid_ <= 0;
 }
 
-void JobProcess::end() {
-    if (hasEnded()) return;
-    ::kill(-pid_, SIGTERM);
-    const auto giveUp = std::chrono::steady_clock::now() + endsWithin;
-    while (!hasEnded() && std::chrono::steady_clock::now() < giveUp) std::this_thread::sleep_for(looksForEndEvery);
-    if (hasEnded()) return;
+void JobProcess::ask() const {
+    if (!status_ && pid_ > 0) ::kill(-pid_, SIGTERM);
+}
+
+void JobProcess::end(std::chrono::milliseconds byItself) {
+    const auto endsIn = [this](std::chrono::milliseconds time) {
+        const auto giveUp = std::chrono::steady_clock::now() + time;
+        while (!hasEnded() && std::chrono::steady_clock::now() < giveUp)
+            std::this_thread::sleep_for(looksForEndEvery);
+        return hasEnded();
+    };
+    if (endsIn(byItself)) return;
+    ask();
+    if (endsIn(endsWithin)) return;
     ::kill(-pid_, SIGKILL);
     int status = 0;
     if (uninterrupted([&] { return ::waitpid(pid_, &status, 0); }) == pid_) status_ = status;

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,8 +29,11 @@ class JobProcess {
 
     /// Never waits.
     bool hasEnded();
-    /// SIGTERM, which mpirun passes on; after a while SIGKILL. Waits for that.
-    void end();
+    /// Asks it to end (SIGTERM), which mpirun passes on. Any thread, while this is alive.
+    void ask() const;
+    /// Waits so long for it to end by itself: an mpirun that is ending already does not bear to be asked. Then asks, and after a
+    /// while ends it.
+    void end(std::chrono::milliseconds byItself = {});
     /// "it ended with exit code 1"; of one that has ended.
     std::string howItEnded() const;
 

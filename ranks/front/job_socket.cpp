@@ -53,7 +53,7 @@ timeval timeOf(std::chrono::milliseconds time) {
 }
 
 tl::unexpected<Error> gone(const std::string& why) {
-    return fail(ErrorCode::Unavailable, "the other end is gone: " + why);
+    return fail(ErrorCode::Unavailable, why);
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ Expected<void> JobSocket::sendAll(std::span<const std::byte> bytes) {
         const ssize_t sent = uninterrupted(
             [&] { return ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL); });
         if (sent < 0)
-            return gone(errno == EAGAIN || errno == EWOULDBLOCK ? "it takes nothing" : systemReason(errno));
+            return gone(errno == EAGAIN || errno == EWOULDBLOCK ? "the other end takes nothing" : systemReason(errno));
         bytes = bytes.subspan(std::size_t(sent));
     }
     return {};
@@ -110,9 +110,9 @@ Expected<void> JobSocket::receive(std::span<std::byte> bytes) {
     while (!bytes.empty()) {
         const ssize_t got =
             uninterrupted([&] { return ::recv(socket_.get(), bytes.data(), bytes.size(), 0); });
-        if (got == 0) return gone("it has ended");
+        if (got == 0) return gone("the connection has ended");
         if (got < 0)
-            return gone(errno == EAGAIN || errno == EWOULDBLOCK ? "it says nothing" : systemReason(errno));
+            return gone(errno == EAGAIN || errno == EWOULDBLOCK ? "the other end says nothing" : systemReason(errno));
         bytes = bytes.subspan(std::size_t(got));
     }
     return {};

@@ -18,6 +18,7 @@ class SharedReader final : public RandomReader {
         return file_->forget(offset, bytes);
     }
     bool isRemote() const override { return true; }
+    bool isAway() const override { return file_->isAway(); }
 
   private:
     const std::shared_ptr<const RemoteFile> file_;

@@ -26,11 +26,11 @@ void pack(const CutView& view, Packer& out) {
     out.put(view.viewpoint);
     out.put(view.filter.classes);
     out.put(view.filter.clip);
-    out.put(view.filter.outliers);
+    out.putFlag(view.filter.outliers);
     out.putAll(std::span<const Region>(view.filter.dropped));
     out.put(view.glass);
     out.put(view.cut.samples);
-    out.put(view.cut.beside);
+    out.putFlag(view.cut.beside);
     std::vector<PackedRun> runs;
     runs.reserve(view.cut.runs.size());
     for (const CutRun& run : view.cut.runs) runs.push_back({run.nodeIndex, run.firstOrdinal, run.share});
@@ -41,11 +41,11 @@ void unpack(Unpacker& in, CutView& view) {
     in.get(view.viewpoint);
     in.get(view.filter.classes);
     in.get(view.filter.clip);
-    in.get(view.filter.outliers);
+    in.getFlag(view.filter.outliers);
     in.getAll(view.filter.dropped);
     in.get(view.glass);
     in.get(view.cut.samples);
-    in.get(view.cut.beside);
+    in.getFlag(view.cut.beside);
     std::vector<PackedRun> runs;
     in.getAll(runs);
     for (const PackedRun& packed : runs) {
@@ -62,11 +62,10 @@ RankBytes packDrawing(const CloudPlace& cloud, const Drawing& drawing) {
     Packer out;
     out.putText(cloud.path);
     out.putText(cloud.revision);
-    out.put(PackedFlags{std::uint8_t(drawing.surfels), std::uint8_t(drawing.oriented),
-                        std::uint8_t(drawing.orientedNodes), std::uint8_t(drawing.curvatures),
-                        std::uint8_t(drawing.depth), std::uint8_t(drawing.sun != nullptr),
-                        std::uint32_t(drawing.cuts.size()), drawing.color, drawing.background,
-                        drawing.window});
+    out.put(PackedFlags{
+        std::uint8_t(drawing.surfels), std::uint8_t(drawing.oriented), std::uint8_t(drawing.orientedNodes),
+        std::uint8_t(drawing.curvatures), std::uint8_t(drawing.depth), std::uint8_t(drawing.sun != nullptr),
+        std::uint32_t(drawing.cuts.size()), drawing.color, drawing.background, drawing.window});
     out.putAll(drawing.passes);
     out.putAll(drawing.jitter);
     for (const CutView& view : drawing.cuts) pack(view, out);
@@ -81,6 +80,9 @@ Expected<std::unique_ptr<UnpackedDrawing>> unpackDrawing(std::span<const std::by
     in.getText(out->cloud.revision);
     PackedFlags flags{};
     in.get(flags);
+    for (const std::uint8_t flag :
+         {flags.surfels, flags.oriented, flags.orientedNodes, flags.curvatures, flags.depth, flags.sun})
+        if (flag > 1) in.fail();
     in.getAll(out->passes);
     in.getAll(out->jitter);
     for (std::uint32_t i = 0; i < flags.cuts && !in.failed(); ++i) unpack(in, out->cuts.emplace_back());

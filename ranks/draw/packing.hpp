@@ -29,6 +29,7 @@ class Packer {
         putBytes(values.data(), values.size_bytes());
     }
     void putText(std::string_view text) { putAll(std::span<const char>(text)); }
+    void putFlag(bool flag) { put(std::uint8_t(flag)); }
     RankBytes bytes;
 
   private:
@@ -60,6 +61,13 @@ class Unpacker {
         std::vector<char> all;
         getAll(all);
         text.assign(all.begin(), all.end());
+    }
+    /// A byte that is neither 0 nor 1 is no bool.
+    void getFlag(bool& flag) {
+        std::uint8_t byte = 0;
+        get(byte);
+        if (byte > 1) return fail();
+        flag = byte != 0;
     }
     /// Everything that was asked for was there, and nothing else.
     bool sound() const { return !failed_ && left_.empty(); }

@@ -2,6 +2,7 @@
 // they can draw, and alone what they cannot.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include "ranks/front/front_clouds.hpp"
 #include "ranks/front/front_device.hpp"
 #include "ranks/front/job_keeper.hpp"
+#include "renderer/plan.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/commands/serve/serve.hpp"
 #include "server/terminal/terminal.hpp"
@@ -33,15 +35,17 @@ struct FrontFlags {
 };
 
 void addFrontFlags(CLI::App& app, FrontFlags& flags) {
-    app.add_option("--start", flags.start,
-                   "The command that starts ranks, without the program: mpirun, how many there are to be, and "
-                   "where. The first one has to be on this machine")
+    app.add_option(
+           "--start", flags.start,
+           "The command that starts ranks, without the program: mpirun, how many there are to be, and "
+           "where. The first one has to be on this machine")
         ->type_name("COMMAND")
         ->envname("SCANCAST_START")
         ->capture_default_str();
-    app.add_option("--ranks-memory", flags.ranksMemory,
-                   "Memory of each rank for its share of the clouds, such as 8G. Default: of half of its machine's, "
-                   "as much as each other rank on it")
+    app.add_option(
+           "--ranks-memory", flags.ranksMemory,
+           "Memory of each rank for its share of the clouds, such as 8G. Default: of half of its machine's, "
+           "as much as each other rank on it")
         ->type_name("SIZE")
         ->envname("SCANCAST_RANKS_MEMORY");
     app.add_option("--ranks-threads", flags.ranksThreads,
@@ -73,13 +77,26 @@ std::vector<std::string> drawWords(const FrontFlags& flags, const ServeOptions& 
     return words;
 }
 
+/// What it was planned with holds: how much may be in memory is known for certain once the ranks have opened the cloud.
+bool isPlanSound(const PictureOrder& order) {
+    const auto most = mostSamples(*order.cloud);
+    if (!order.planned || !most) return true;
+    return order.planned->selection.budget == std::min(order.view.quality.budget.value_or(*most), *most);
+}
+
 /// Prepares a picture again when somebody else has begun to draw its cloud meanwhile: it would be half of either.
 PreparePicture preparedOfOneState(PreparePicture prepare) {
     return [prepare = std::move(prepare)](const PictureOrder& order, bool wait,
                                           std::stop_token stop) -> Expected<PreparedPicture> {
         for (;;) {
             const std::uint64_t before = FrontClouds::changesOf(*order.cloud);
-            auto prepared = prepare(order, wait, stop);
+            PictureOrder unplanned;
+            const bool isSound = isPlanSound(order);
+            if (!isSound) {
+                unplanned = order;
+                unplanned.planned.reset();
+            }
+            auto prepared = prepare(isSound ? order : unplanned, wait, stop);
             if (stop.stop_requested() || FrontClouds::changesOf(*order.cloud) == before) return prepared;
         }
     };
@@ -106,7 +123,8 @@ OpenPainter frontPainter(JobKeeper& keeper, std::shared_ptr<FrontClouds> clouds,
 int serveBeforeRanks(const FrontFlags& flags, ServeOptions& options, const ServeWith& serve) {
     if (options.device.backend != "auto" && options.device.backend != "cpu")
         return frontFailed({ErrorCode::InvalidArgument,
-                            "Ranks draw with the cpu device; leave --backend out, or say --backend=cpu.", {}});
+                            "Ranks draw with the cpu device; leave --backend out, or say --backend=cpu.",
+                            {}});
     auto start = wordsOfLine(flags.start);
     if (!start) return frontFailed({start.error().code, "--start: " + start.error().message, {}});
     if (!flags.ranksMemory.empty())
@@ -117,8 +135,8 @@ int serveBeforeRanks(const FrontFlags& flags, ServeOptions& options, const Serve
     std::shared_ptr<FrontClouds> clouds;
     ServeParts parts;
     parts.clouds = [&](std::shared_ptr<BlockCache> cache) {
-        clouds = std::make_shared<FrontClouds>(std::move(cache), keeper,
-                                               [](const std::string& sentence) { spdlog::warn("{}", sentence); });
+        clouds = std::make_shared<FrontClouds>(
+            std::move(cache), keeper, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
         keeper.begin(clouds);
         return clouds;
     };
@@ -140,21 +158,25 @@ void addRanksFront(CLI::App& app, int& exitCode) {
         app, exitCode,
         {.name = "front",
          .description =
-             "Serve clouds whose pictures ranks draw together, and go on when a rank is lost: this program is the "
+             "Serve clouds whose pictures ranks draw together, and go on when a rank is lost: this program "
+             "is the "
              "server, starts the ranks itself, and starts them again. Until they are back it draws coarser "
              "pictures by itself. Every rank needs the cloud files under the same names",
          .as = [flags](ServeOptions& options,
                        const ServeWith& serve) { return serveBeforeRanks(*flags, options, serve); },
          .flags = [flags](CLI::App& to) { addFrontFlags(to, *flags); }});
     command->get_option("FILE")->description(
-        "What to serve. Ranks draw cloud files on disk, under the same names everywhere; everything else is drawn "
+        "What to serve. Ranks draw cloud files on disk, under the same names everywhere; everything else is "
+        "drawn "
         "without them");
     command->get_option("--memory-limit")
-        ->description("Memory of the server itself, for what it draws without ranks. Default: an eighth of the "
-                      "machine's");
+        ->description(
+            "Memory of the server itself, for what it draws without ranks. Default: an eighth of the "
+            "machine's");
     command->footer(
         "Example: scancast-ranks front city.scan --start 'mpirun -n 4 --bind-to none' --ranks-memory 8G\n"
-        "         scancast-ranks front /shared/country.scan --start 'mpirun --hostfile machines -N 1 --bind-to none'");
+        "         scancast-ranks front /shared/country.scan --start 'mpirun --hostfile machines -N 1 "
+        "--bind-to none'");
 }
 
 }  // namespace scancast

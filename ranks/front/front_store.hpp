@@ -35,6 +35,8 @@ class FrontStore final : public SampleStore {
     void request(std::uint64_t requester, std::vector<BlockRequest> requests) override;
     bool whole() const override { return whole_->whole(); }
     bool damaged(std::uint32_t node) const override { return !byRanks() && whole_->damaged(node); }
+    /// Without the ranks what is missing is coarser until they are back, or until the front's memory holds it.
+    bool isAway() const override { return file_->by == DrawnBy::FrontMeanwhile || whole_->isAway(); }
     /// All ranks', once it is known, whether they are there or not: a picture's samples do not depend on that.
     std::uint64_t capacity() const override;
     std::uint64_t bytesResident() const override { return whole_->bytesResident(); }

@@ -1,0 +1,56 @@
+// What somebody who looks at a cloud notices when a rank is killed: how long until the next frame, until one that is not coarser any
+// more, until the final still of where he came to rest.
+//
+//     node tests/bench/ranks/lost_rank.mjs FOLDER_OF_THE_PROGRAMS CLOUD.scan [RANKS [KILLS [MEMORY_LIMIT]]]
+
+import { join } from 'node:path';
+
+import { Viewer } from '../../integration/replicas/viewer.mjs';
+import { Front, sleep, until } from '../../ranks/front/front.mjs';
+
+const [programs, cloud, ranks = '2', kills = '6', memory = '64M'] = process.argv.slice(2);
+if (!cloud) {
+  console.error('usage: lost_rank.mjs FOLDER_OF_THE_PROGRAMS CLOUD.scan [RANKS [KILLS [MEMORY_LIMIT]]]');
+  process.exit(2);
+}
+/** A job that has lived so long is started again at once. */
+const livesMs = 11_000;
+
+const front = await new Front().start(join(programs, 'scancast-ranks'), [cloud, '--threads', '1', '--memory-limit', memory], Number(ranks));
+const viewer = new Viewer(front.url, { width: 1280, height: 720 });
+try {
+  await front.untilUp();
+  await viewer.start();
+  const rows = [];
+  for (let kill = 0; kill < Number(kills); ++kill) {
+    viewer.onFrame = () => {};
+    viewer.move(20);
+    await sleep(livesMs);
+    const victims = { 'rank 1': front.ranks()[1], 'rank 0': front.ranks()[0], mpirun: front.mpirun() };
+    const who = Object.keys(victims)[kill % 3];
+    const shown = [];
+    viewer.onFrame = (frame, at) => { shown.push({ ...frame, at }); };
+    const killed = performance.now();
+    process.kill(victims[who], 'SIGKILL');
+    await until('a coarser frame', () => shown.some((frame) => frame.away));
+    const moving = await until('a frame that is not', () => {
+      const last = shown.findLastIndex((frame) => frame.away);
+      return shown[last + 1];
+    });
+    viewer.rest();
+    await viewer.final();
+    const coarser = shown.filter((frame) => frame.away);
+    // The longest that nothing came, until pictures were whole again.
+    const times = [killed, ...shown.filter((frame) => frame.at <= moving.at).map((frame) => frame.at)];
+    rows.push({ killed: who, 'next frame, ms': Math.round(times[1] - killed),
+      'coarser frame, ms': Math.round(coarser[0].at - killed), 'longest gap, ms': Math.round(Math.max(...times.slice(1).map((at, i) => at - times[i]))),
+      'whole again, ms': Math.round(moving.at - killed), 'coarser frames': coarser.length });
+    console.table(rows.slice(-1));
+    if (viewer.faults.length > 0) throw new Error(viewer.faults.join('; '));
+    await front.untilUp(kill + 1);
+  }
+  console.table(rows);
+} finally {
+  viewer.leave();
+  await front.stop();
+}

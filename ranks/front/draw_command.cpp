@@ -63,8 +63,10 @@ Expected<void> drawForFront(const RanksDrawArguments& arguments) {
     Expected<void> reached;
     if (ranks.isFirst()) {
         auto socket = JobSocket::connect(arguments.door);
-        if (socket) front = std::move(*socket);
-        else reached = passOn(socket);
+        if (socket)
+            front = std::move(*socket);
+        else
+            reached = passOn(socket);
     }
     if (auto all = ranks.agree(reached); !all) return ranks.isFirst() ? all : Expected<void>();
     OpenedClouds clouds(shareCache(*limit, threads),

@@ -115,9 +115,12 @@ void FirstRank::drawWaiting() {
 }
 
 void FirstRank::draw(Asked& asked) {
-    const auto refuse = [&](const Error& error) { tell(front_.send(JobWord::Failed, asked.id, pack(error))); };
+    const auto refuse = [&](const Error& error) {
+        tell(front_.send(JobWord::Failed, asked.id, pack(error)));
+    };
     const auto stop = asked.stop.get_token();
-    if (stop.stop_requested()) return refuse({ErrorCode::Cancelled, "The picture is not wanted any more.", {}});
+    if (stop.stop_requested())
+        return refuse({ErrorCode::Cancelled, "The picture is not wanted any more.", {}});
     const auto drawing = unpackJobDrawing(asked.bytes);
     if (!drawing) return refuse(drawing.error());
     auto frame = drawTogether(*drawing, stop);

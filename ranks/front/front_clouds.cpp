@@ -38,12 +38,14 @@ std::shared_ptr<SampleStore> FrontClouds::add(std::shared_ptr<const CloudFile> c
     else if (unknown || !std::filesystem::exists(path, unknown))
         alone = "it is no file here that ranks could open";
     if (!alone.empty()) {
-        onAlone_(fmt::format("{}: it is drawn without the ranks: {}", cloud->path().filename().string(), alone));
+        onAlone_(
+            fmt::format("{}: it is drawn without the ranks: {}", cloud->path().filename().string(), alone));
         return cache_->add(std::move(cloud));
     }
     auto file = enlist({path.string(), cloud->facts().revision});
     auto whole = cache_->add(cloud);
-    return std::make_shared<FrontStore>(std::move(whole), std::move(cloud), std::move(file), shared_from_this());
+    return std::make_shared<FrontStore>(std::move(whole), std::move(cloud), std::move(file),
+                                        shared_from_this());
 }
 
 std::shared_ptr<RankedFile> FrontClouds::enlist(CloudPlace place) {
@@ -106,7 +108,8 @@ void FrontClouds::jobOpened(std::uint64_t number, const JobOpened& opened) {
         const auto listed = files_.find(number);
         const auto file = listed != files_.end() ? listed->second.lock() : nullptr;
         if (!file || !isUp_) return;
-        if (opened.whyNot.empty()) file->capacity = opened.capacity;
+        if (opened.whyNot.empty())
+            file->capacity = opened.capacity;
         else if (!file->isAnswered)
             alone = fmt::format("{}: it is drawn without the ranks: {}",
                                 std::filesystem::path(file->place.path).filename().string(), opened.whyNot);

@@ -56,8 +56,8 @@ class FrontDevice final : public Device {
 
 }  // namespace
 
-Expected<std::unique_ptr<Device>> createFrontDevice(JobKeeper& keeper, std::shared_ptr<const FrontClouds> clouds,
-                                                    int threads) {
+Expected<std::unique_ptr<Device>> createFrontDevice(JobKeeper& keeper,
+                                                    std::shared_ptr<const FrontClouds> clouds, int threads) {
     auto own = createCpuDevice(threads);
     if (!own) return passOn(own);
     return std::make_unique<FrontDevice>(keeper, std::move(clouds), std::move(*own));

@@ -18,7 +18,9 @@ constexpr auto isThereWithin = std::chrono::seconds(5);
 }  // namespace
 
 Heartbeat::Heartbeat(const Communicator& ranks, std::function<void()> onBeat)
-    : ranks_(ranks), onBeat_(std::move(onBeat)), thread_([this](const std::stop_token& done) { beat(done); }) {}
+    : ranks_(ranks),
+      onBeat_(std::move(onBeat)),
+      thread_([this](const std::stop_token& done) { beat(done); }) {}
 
 void Heartbeat::beat(const std::stop_token& done) {
     using Clock = std::chrono::steady_clock;
@@ -29,8 +31,9 @@ void Heartbeat::beat(const std::stop_token& done) {
         const auto giveUp = Clock::now() + isThereWithin;
         for (int isDone = 0; !isDone;) {
             if (MPI_Test(&request, &isDone, MPI_STATUS_IGNORE) != MPI_SUCCESS || Clock::now() > giveUp)
-                MpiSession::abortAll(fmt::format("Rank {} has not heard of another one for {} s; all are ended.",
-                                                 ranks_.rank(), isThereWithin.count()));
+                MpiSession::abortAll(
+                    fmt::format("Rank {} has not heard of another one for {} s; all are ended.",
+                                ranks_.rank(), isThereWithin.count()));
             if (!isDone) std::this_thread::sleep_for(looksEvery);
         }
         onBeat_();

@@ -28,7 +28,9 @@ constexpr auto firstPause = std::chrono::milliseconds(1000);
 constexpr auto longestPause = std::chrono::milliseconds(10000);
 
 Error ranksGone() {
-    return {ErrorCode::Unavailable, "The ranks that draw this cloud are not there at present; try again later.", {}};
+    return {ErrorCode::Unavailable,
+            "The ranks that draw this cloud are not there at present; try again later.",
+            {}};
 }
 
 }  // namespace
@@ -73,10 +75,12 @@ void JobKeeper::run() {
         if (Clock::now() - began > soundAfter) pause = {};
         const std::string sentence = why ? *why : why.error().message;
         if (pause.count() == 0)
-            spdlog::error("The ranks are gone: {}. Pictures are drawn without them until they are back.", sentence);
+            spdlog::error("The ranks are gone: {}. Pictures are drawn without them until they are back.",
+                          sentence);
         else
-            spdlog::error("The ranks are gone: {}. Pictures are drawn without them; they are started again in {} s.",
-                          sentence, pause.count() / 1000);
+            spdlog::error(
+                "The ranks are gone: {}. Pictures are drawn without them; they are started again in {} s.",
+                sentence, pause.count() / 1000);
         if (!waitBeforeNext(pause)) return;
         pause = std::clamp(pause * 2, firstPause, longestPause);
     }
@@ -106,7 +110,8 @@ std::string JobKeeper::runOnce() {
         return stopping_ || process->hasEnded() || Clock::now() > giveUp;
     });
     if (!socket) {
-        if (process->hasEnded()) return fmt::format("{} did not start them: {}", start_.front(), process->howItEnded());
+        if (process->hasEnded())
+            return fmt::format("{} did not start them: {}", start_.front(), process->howItEnded());
         return fmt::format("{} did not start them in time", start_.front());
     }
     setProcess(&*process);
@@ -147,8 +152,9 @@ Expected<void> JobKeeper::greet(const std::shared_ptr<JobSocket>& socket) {
     const auto hello = unpackHello(*body);
     if (!hello) return passOn(hello);
     if (head->word != JobWord::Hello || hello->version != scancastVersion())
-        return fail(ErrorCode::Malformed, fmt::format("the first rank is of version {}, this program of version {}",
-                                                      hello->version, scancastVersion()));
+        return fail(ErrorCode::Malformed,
+                    fmt::format("the first rank is of version {}, this program of version {}", hello->version,
+                                scancastVersion()));
     setUp(socket, *hello);
     return {};
 }
@@ -191,7 +197,8 @@ Expected<void> JobKeeper::take(JobSocket& socket, const JobHead& head) {
         listener_->jobOpened(head.id, *opened);
         return {};
     }
-    if (head.word != JobWord::Failed) return fail(ErrorCode::Malformed, "the first rank said what it never says");
+    if (head.word != JobWord::Failed)
+        return fail(ErrorCode::Malformed, "the first rank said what it never says");
     auto error = unpackError(*body);
     if (!error) return passOn(error);
     answer(head.id, tl::unexpected(std::move(*error)));
@@ -270,11 +277,13 @@ Expected<Frame> JobKeeper::draw(const RankBytes& drawing, const Drawing& of, con
     }
     const std::byte flag{std::uint8_t(pauses)};
     const std::array<std::span<const std::byte>, 2> parts{std::span(&flag, 1), std::span(drawing)};
-    if (auto sent = socket->send(JobWord::Draw, id, parts); !sent) socket->close();  // the reader finds it lost
+    if (auto sent = socket->send(JobWord::Draw, id, parts); !sent)
+        socket->close();  // the reader finds it lost
     Lock lock(monitor_);
     for (;;) {
         const auto at = awaited_.find(id);
-        if (monitor_.waitUntil(lock, Clock::now() + drawSlice, [&] { return at->second.answer.has_value(); })) {
+        if (monitor_.waitUntil(lock, Clock::now() + drawSlice,
+                               [&] { return at->second.answer.has_value(); })) {
             Expected<Frame> answer = std::move(*at->second.answer);
             awaited_.erase(at);
             return answer;

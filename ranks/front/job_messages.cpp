@@ -41,8 +41,9 @@ std::uint64_t longestBody(JobWord word) {
 }
 
 tl::unexpected<Error> malformed() {
-    return fail(ErrorCode::Malformed,
-                "The ranks and the program before them do not understand each other; are all of one version?");
+    return fail(
+        ErrorCode::Malformed,
+        "The ranks and the program before them do not understand each other; are all of one version?");
 }
 
 /// What `read` takes out of the bytes, if it is all there and nothing else is.
@@ -67,7 +68,8 @@ JobHeadBytes packHead(const JobHead& head) {
 Expected<JobHead> unpackHead(const JobHeadBytes& bytes) {
     PackedHead packed;
     std::memcpy(&packed, bytes.data(), sizeof packed);
-    const bool known = packed.word >= std::uint32_t(JobWord::Hello) && packed.word <= std::uint32_t(JobWord::Failed);
+    const bool known =
+        packed.word >= std::uint32_t(JobWord::Hello) && packed.word <= std::uint32_t(JobWord::Failed);
     if (packed.magic != headMagic || !known) return malformed();
     const JobHead head{JobWord(packed.word), packed.id, packed.bytes};
     if (head.bytes > longestBody(head.word)) return malformed();

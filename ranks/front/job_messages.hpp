@@ -39,7 +39,7 @@ JobHeadBytes packHead(const JobHead& head);
 Expected<JobHead> unpackHead(const JobHeadBytes& bytes);
 
 struct JobHello {
-    std::string version;   ///< of the program
+    std::string version;  ///< of the program
     std::uint32_t ranks = 0;
 };
 /// What became of a cloud that was to be opened.
@@ -48,7 +48,7 @@ struct JobOpened {
     std::uint64_t capacity = 0;  ///< samples of it that all ranks together may hold for one picture
 };
 struct JobDrawing {
-    bool pauses = false;  ///< others are drawn within it
+    bool pauses = false;                 ///< others are drawn within it
     std::span<const std::byte> drawing;  ///< packDrawing()'s
 };
 /// Behind it come width · height · 4 bytes of colours and, with depth, as many floats.

@@ -85,10 +85,11 @@ void JobSocket::setPatience(std::chrono::milliseconds silence, std::chrono::mill
 
 Expected<void> JobSocket::sendAll(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
-        const ssize_t sent = uninterrupted(
-            [&] { return ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL); });
+        const ssize_t sent =
+            uninterrupted([&] { return ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL); });
         if (sent < 0)
-            return gone(errno == EAGAIN || errno == EWOULDBLOCK ? "the other end takes nothing" : systemReason(errno));
+            return gone(errno == EAGAIN || errno == EWOULDBLOCK ? "the other end takes nothing"
+                                                                : systemReason(errno));
         bytes = bytes.subspan(std::size_t(sent));
     }
     return {};
@@ -112,7 +113,8 @@ Expected<void> JobSocket::receive(std::span<std::byte> bytes) {
             uninterrupted([&] { return ::recv(socket_.get(), bytes.data(), bytes.size(), 0); });
         if (got == 0) return gone("the connection has ended");
         if (got < 0)
-            return gone(errno == EAGAIN || errno == EWOULDBLOCK ? "the other end says nothing" : systemReason(errno));
+            return gone(errno == EAGAIN || errno == EWOULDBLOCK ? "the other end says nothing"
+                                                                : systemReason(errno));
         bytes = bytes.subspan(std::size_t(got));
     }
     return {};
@@ -147,7 +149,8 @@ Expected<JobDoor> JobDoor::open() {
     const auto address = addressOf(door.path_);
     if (!address) return passOn(address);
     const int fd = door.socket_.get();
-    if (::bind(fd, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0 || ::listen(fd, 1) != 0)
+    if (::bind(fd, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0 ||
+        ::listen(fd, 1) != 0)
         return fail(ErrorCode::Io, door.path_.string() + ": " + systemReason(errno));
     return door;
 }

@@ -160,7 +160,8 @@ void addRanksServe(CLI::App& app, int& exitCode) {
     CLI::App* const command = addServeAs(
         app, exitCode,
         {.description =
-             "Serve clouds whose pictures all ranks draw together, each with a share of every cloud in memory. "
+             "Serve clouds whose pictures all ranks draw together, each with a share of every cloud in "
+             "memory. "
              "Rank 0 has the network; every rank needs the cloud files under the same names. Memory and "
              "threads are a rank's",
          .as = serveByRanks});

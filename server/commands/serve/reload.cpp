@@ -76,10 +76,7 @@ struct Reload::Wanted {
 };
 
 Reload::Reload(StartedWith started, ServeOptions options, ScancastServer& server, CloudSources& clouds)
-    : started_(std::move(started)),
-      running_(std::move(options)),
-      server_(server),
-      clouds_(clouds) {}
+    : started_(std::move(started)), running_(std::move(options)), server_(server), clouds_(clouds) {}
 
 // As at the start: the command line and the environment, then the file, then the rules between flags.
 Expected<Reload::Wanted> Reload::readConfiguration() const {

@@ -29,8 +29,9 @@ std::string summary(const Reloaded& reloaded);
 
 /// How the server was started.
 struct StartedWith {
-    GivenFlags given;          ///< on the command line and in the environment, which goes before the file now as at the start
-    nlohmann::json effective;  ///< its options, as effectiveConfig() tells them
+    GivenFlags
+        given;  ///< on the command line and in the environment, which goes before the file now as at the start
+    nlohmann::json effective;                    ///< its options, as effectiveConfig() tells them
     std::function<void(CLI::App&)> moreFlags{};  ///< that are no flags of serve's
 };
 

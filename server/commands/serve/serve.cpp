@@ -324,8 +324,9 @@ CLI::App* addServeAs(CLI::App& app, int& exitCode, ServeCommand serve) {
     CLI::App* const command = app.add_subcommand(serve.name, serve.description);
     addServeFlags(*command, *options);
     if (serve.flags) serve.flags(*command);
-    command->callback(
-        [options, command, serve = std::move(serve), &exitCode] { exitCode = run(*command, *options, serve); });
+    command->callback([options, command, serve = std::move(serve), &exitCode] {
+        exitCode = run(*command, *options, serve);
+    });
     return command;
 }
 

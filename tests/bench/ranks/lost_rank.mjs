@@ -13,6 +13,7 @@ if (!cloud) {
   console.error('usage: lost_rank.mjs FOLDER_OF_THE_PROGRAMS CLOUD.scan [RANKS [KILLS [MEMORY_LIMIT]]]');
   process.exit(2);
 }
+const ms = (time) => `${Math.round(time)} ms`;
 /** A job that has lived so long is started again at once. */
 const livesMs = 11_000;
 
@@ -32,22 +33,23 @@ try {
     viewer.onFrame = (frame, at) => { shown.push({ ...frame, at }); };
     const killed = performance.now();
     process.kill(victims[who], 'SIGKILL');
-    await until('a coarser frame', () => shown.some((frame) => frame.away));
-    const moving = await until('a frame that is not', () => {
-      const last = shown.findLastIndex((frame) => frame.away);
-      return shown[last + 1];
-    });
+    // Every other time he stands still at that moment, and waits for the final still.
+    const stands = kill % 2 === 1;
+    const next = await until('a frame', () => shown[0]);
+    if (stands) viewer.rest();
+    const away = await until('a coarser frame', () => shown.find((frame) => frame.away));
+    const whole = await until('a frame that is not', () => shown[shown.findLastIndex((frame) => frame.away) + 1]);
     viewer.rest();
     await viewer.final();
-    const coarser = shown.filter((frame) => frame.away);
-    // The longest that nothing came, until pictures were whole again.
-    const times = [killed, ...shown.filter((frame) => frame.at <= moving.at).map((frame) => frame.at)];
-    rows.push({ killed: who, 'next frame, ms': Math.round(times[1] - killed),
-      'coarser frame, ms': Math.round(coarser[0].at - killed), 'longest gap, ms': Math.round(Math.max(...times.slice(1).map((at, i) => at - times[i]))),
-      'whole again, ms': Math.round(moving.at - killed), 'coarser frames': coarser.length });
+    const final = shown.at(-1);
+    await front.untilUp(kill + 1);
+    const up = performance.now();
+    const times = [killed, ...shown.map((frame) => frame.at)];
+    rows.push({ killed: who, stands, 'next frame': ms(next.at - killed), 'coarser frame': ms(away.at - killed),
+      'longest gap': ms(Math.max(...times.slice(1).map((at, i) => at - times[i]))), 'coarser frames': shown.filter((frame) => frame.away).length,
+      'whole frame': ms(whole.at - killed), 'final still': ms(final.at - killed), 'ranks are back': ms(up - killed) });
     console.table(rows.slice(-1));
     if (viewer.faults.length > 0) throw new Error(viewer.faults.join('; '));
-    await front.untilUp(kill + 1);
   }
   console.table(rows);
 } finally {

@@ -63,6 +63,11 @@ export class Viewer {
     clearInterval(this.#timer);
   }
 
+  /** Moving frames are as sharp as stills, however long they take. */
+  wantSharpness() {
+    this.#send(this.#socket, { type: 'quality', minResolution: 1, maxDetail: 0 });
+  }
+
   /** Back to where it began; with the next final still the picture of then. */
   lookAsAtFirst() {
     this.camera = this.#first;

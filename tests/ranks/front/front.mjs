@@ -100,7 +100,7 @@ export class Server {
   }
 
   async stop(signal = 'SIGTERM') {
-    this.child?.kill(signal);
+    this.child?.kill(signal); // that it has ended already is no fault
     const how = await this.ended;
     rmSync(this.#folder, { recursive: true, force: true });
     return how;

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
 
-import { choose, chosen, closePage, differing, drag, openPage, pixels, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { choose, chosen, closePage, differing, drag, isTrue, openPage, pixels, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { blockJpeg } from './support/block_jpeg.mjs';
 import { clouds, FakeServer } from './support/fake_server.mjs';
 
@@ -502,12 +502,6 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     return () => page.evaluate(() => globalThis.gaps);
   };
   const hellos = () => server.received.filter((message) => message.type === 'hello');
-  const isTrue = async (condition, what) => {
-    for (const end = Date.now() + 10_000; !condition();) {
-      assert.ok(Date.now() < end, what);
-      await new Promise((done) => { setTimeout(done, 10); });
-    }
-  };
 
   it('a server that leaves is left for another one: one reconnection, the same view, and no gap', async () => {
     await open();

@@ -1,5 +1,6 @@
 // Starts Debian's Chromium without a window and with a fresh profile, and talks to pages as a user would.
 
+import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
 
 const flags = [
@@ -41,6 +42,14 @@ export async function waitUntilSharp(page, timeout = 20_000) {
     const { asked, shown } = document.getElementById('picture').dataset;
     return document.getElementById('hud').dataset.state === 'sharp' && asked !== undefined && asked === shown;
   }, undefined, { timeout, polling: 50 });
+}
+
+/** Waits until something holds that is seen from here, such as what a server has received; the page sends with its next display frame. */
+export async function isTrue(condition, what) {
+  for (const end = Date.now() + 10_000; !condition();) {
+    assert.ok(Date.now() < end, what);
+    await new Promise((done) => { setTimeout(done, 10); });
+  }
 }
 
 /** Chooses one of a group of radio buttons (client/web/page/choices.js): `#color`, `#method`, …; what it stands in is opened first. */

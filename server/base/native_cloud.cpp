@@ -38,6 +38,7 @@ Expected<std::shared_ptr<const CloudFile>> openNative(std::unique_ptr<RandomRead
     NativeCloudOptions options{.name = name,
                                .title = name.filename().string(),
                                .identity = identity,
+                               .surfels = opening.surfels,
                                .memory = opening.memory};
     if (opening.look) options.look = lookOf;
     return openCopc(std::move(reader), opening.decoders ? opening.decoders : ChunkDecoders::create({}),

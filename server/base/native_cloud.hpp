@@ -16,6 +16,7 @@ struct NativeOpening {
     /// Empty: its own, with the limits that importers usually have.
     std::shared_ptr<ChunkDecoders> decoders{};
     std::uint64_t memory = 64 << 20;  ///< bytes, of each cloud beside its blocks
+    bool surfels = true;              ///< normals and radii are estimated
     bool look = true;                 ///< decided
 };
 

@@ -121,7 +121,8 @@ Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions opti
     : catalog_(catalog),
       options_(stoppedBy(stop_.get_token(), std::move(options))),
       native_{.decoders = ChunkDecoders::create(options_.import),
-              .memory = std::min(NativeOpening().memory, options_.cache->stats().limit / 8)},
+              .memory = std::min(NativeOpening().memory, options_.cache->stats().limit / 8),
+              .surfels = options_.shape.surfels},
       watch_(catalog, watchOptions()) {
     std::error_code none;
     sweepOwnedFolders(fs::temp_directory_path(none));  // of servers that were killed

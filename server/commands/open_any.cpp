@@ -49,7 +49,7 @@ Expected<std::shared_ptr<const Cloud>> openAsItIs(const ScanInput& input, const 
     if (!cache) return passOn(cache);
     auto shared = input.file().share();
     if (!shared) return passOn(std::move(shared));
-    auto file = openNative(std::move(*shared), {});
+    auto file = openNative(std::move(*shared), {.surfels = options.surfels});
     if (!file) return passOn(std::move(file));
     return openCloud(std::move(*file), *cache);
 }
@@ -59,7 +59,7 @@ Expected<std::shared_ptr<const Cloud>> openUrl(const std::string& url, const Ope
     if (!cache) return passOn(cache);
     RemoteFiles remote{
         {.onNote = [](const std::string& note) { tell("{}\n", note); }, .stopsWithOwner = false}};
-    auto opened = openRemoteCloud(remote, url);
+    auto opened = openRemoteCloud(remote, url, {.surfels = options.surfels});
     if (!opened) return passOn(std::move(opened));
     return openCloud(std::move(opened->file), *cache);
 }

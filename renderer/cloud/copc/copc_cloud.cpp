@@ -11,6 +11,7 @@
 #include "protocol/text/grouped.hpp"
 #include "renderer/cloud/copc/copc_head.hpp"
 #include "renderer/cloud/copc/gathered_points.hpp"
+#include "renderer/cloud/copc/node_surfels.hpp"
 #include "renderer/cloud/copc/upper_levels.hpp"
 #include "threads/guarded.hpp"
 
@@ -104,6 +105,7 @@ class CopcFile final : public CloudFile {
             if (!points) return named(node, points.error());
             auto samples = samplesOf(**points, opened_->tree.own[node].lattice);
             if (!samples) return named(node, samples.error());
+            if (opened_->options.surfels) addNodeSurfels(nodes()[node].node, *samples);
             return samples;
         } catch (const std::bad_alloc&) {
             return fail(ErrorCode::ResourceLimit,
@@ -174,7 +176,7 @@ class Opening {
         LasReader las = std::move(head->las);
         las.setPoints(opened_->hierarchy.points);
         const ScanHeader scan = las.header();
-        const auto upper = upperCloud(std::move(las), std::move(*records), opened_->options.title);
+        const auto upper = upperCloud(std::move(las), std::move(*records), opened_->options.title, opened_->options.surfels);
         if (!upper) return passOn(upper);
         opened_->frame.origin = (*upper)->origin;
         auto tree = additiveTree(opened_->hierarchy, opened_->frame);
@@ -246,13 +248,17 @@ class Opening {
         facts.crsEpsg = scan.crsEpsg;
         facts.grid = ScanGrid{opened_->las.grid().origin, opened_->las.grid().step};
         facts.spacing = meanSpacing();
+        // What each node finds out by itself has no side; there is nothing beside it.
+        facts.oriented = false;
+        facts.sides.reset();
+        facts.companions.clear();
         if (seen < hierarchy.points)
             facts.notes.push_back(
                 fmt::format("it is shown as it is, without ingest: ranges, classes and colours are those of {} points "
                             "of its upper levels",
                             grouped(seen)));
-        std::string all = fmt::format("{}\n{:016x} {:016x}\n{}", upper->revision, digest, hierarchy.digest,
-                                      opened_->options.identity);
+        std::string all = fmt::format("{}\n{:016x} {:016x} {}\n{}", upper->revision, digest, hierarchy.digest,
+                                      opened_->options.surfels, opened_->options.identity);
         const XXH128_hash_t revision = XXH3_128bits(all.data(), all.size());
         facts.revision = fmt::format("{:016x}{:016x}", revision.high64, revision.low64);
         if (opened_->options.look) facts.look = opened_->options.look(upper);

@@ -11,7 +11,7 @@ namespace scancast {
 
 namespace {
 
-constexpr std::uint64_t enoughPoints = 50'000, mostPoints = 600'000;
+constexpr std::uint64_t enoughPoints = 50'000, mostPoints = 200'000;
 // Where nobody can measure it: the usual root of COPC has 128 points along a side.
 constexpr double usualPointsPerSide = 128;
 
@@ -71,9 +71,13 @@ std::vector<std::uint32_t> upperVoxels(const CopcHierarchy& hierarchy) {
 }
 
 Expected<std::shared_ptr<const Cloud>> upperCloud(LasReader las, std::vector<std::vector<std::byte>> records,
-                                                  const std::string& title) {
+                                                  const std::string& title, bool surfels) {
     RecordsSource source(std::move(las), std::move(records));
-    return buildCloud(source, {.title = title});
+    BuildOptions options{.title = title};
+    options.shape.surfels = surfels;
+    options.shape.curvature = false;
+    options.shape.orientation = Orientation::Scan;  // as the nodes are, which do not know each other
+    return buildCloud(source, options);
 }
 
 RootSpacing rootSpacing(std::span<const std::byte> records, const LasReader& las, const CopcInfo& info) {

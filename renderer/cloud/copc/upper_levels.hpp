@@ -18,7 +18,7 @@ std::vector<std::uint32_t> upperVoxels(const CopcHierarchy& hierarchy);
 
 /// `records`: of each voxel's chunk. `las` has to have seen all of them. Errors: as of buildCloud().
 Expected<std::shared_ptr<const Cloud>> upperCloud(LasReader las, std::vector<std::vector<std::byte>> records,
-                                                  const std::string& title);
+                                                  const std::string& title, bool surfels);
 
 /// Of the root's own records; of a root without points, by its cube.
 RootSpacing rootSpacing(std::span<const std::byte> records, const LasReader& las, const CopcInfo& info);

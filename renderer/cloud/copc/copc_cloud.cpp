@@ -182,6 +182,10 @@ class Opening {
         auto tree = additiveTree(opened_->hierarchy, opened_->frame);
         if (!tree) return passOn(std::move(tree));
         opened_->tree = std::move(*tree);
+        // A cube that is elsewhere than the points would damage every block.
+        if (!opened_->upper.empty() && opened_->upper.front())
+            if (const auto root = samplesOf(*opened_->upper.front(), opened_->tree.own.front().lattice); !root)
+                return passOn(root);
         fillFacts(*upper, scan, head->digest);
         return std::make_shared<const CopcFile>(std::move(opened_));
     }

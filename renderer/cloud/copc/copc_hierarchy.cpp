@@ -4,6 +4,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <unordered_set>
 
 namespace scancast {
 
@@ -55,7 +56,9 @@ class Reading {
             return fail(ErrorCode::Malformed,
                         fmt::format("a page of its octree, {} bytes at byte {}, is none, or lies outside it",
                                     page.bytes, page.offset));
-        // Each page is read once at most, so pages that name each other end, too.
+        if (!seen_.insert(page.offset).second)
+            return fail(ErrorCode::Malformed,
+                        fmt::format("the page of its octree at byte {} is named twice", page.offset));
         entries_ += page.bytes / copcEntryBytes;
         if (entries_ > limits_.entries) return tooLarge();
         return {};
@@ -141,6 +144,7 @@ class Reading {
     const CopcLimits limits_;
     std::uint64_t entries_ = 0, pagesRead_ = 0;
     std::vector<CopcVoxel> voxels_;
+    std::unordered_set<std::uint64_t> seen_;  // where pages begin
     std::vector<Page> next_;
 };
 

@@ -135,6 +135,7 @@ class ResidentStore final : public SampleStore {
     }
     bool whole() const override { return false; }
     bool damaged(std::uint32_t node) const override { return cache_->damaged(*cloud_, node); }
+    bool isAway() const override { return cloud_->file->isAway(); }
     /// Depends on the limit and the cloud alone: pictures must not depend on what else is in memory.
     std::uint64_t capacity() const override {
         const std::uint64_t tables = std::min(tableBytes(), cache_->limit());

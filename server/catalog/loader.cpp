@@ -193,8 +193,10 @@ bool Loader::removeLocked(Named& named) {
     return true;
 }
 
-bool Loader::tryAgainLocked(Named& named) {
+bool Loader::tryAgainLocked(Named& named, Again again) {
+    if (again == Again::Leave) return false;
     const auto entry = catalog_.find(named.id);
+    if (!entry && again == Again::TryFailed) return false;
     if (entry && entry->state != CloudState::Failed) return false;
     if (!entry) {
         std::string id = catalog_.add(plainName(named.file).stem().string());
@@ -228,7 +230,7 @@ Loader::Changes Loader::serve(std::vector<fs::path> files, Again again) {
             }
             files.erase(at);
             named->leaves = false;
-            changes.tried += again == Again::Try && tryAgainLocked(*named) ? 1 : 0;
+            changes.tried += tryAgainLocked(*named, again) ? 1 : 0;
             ++named;
         }
         changes.added = files.size();

@@ -83,10 +83,10 @@ class Loader {
         std::size_t added = 0, removed = 0, tried = 0;  ///< tried: again, because they had failed
     };
     /// What becomes of files that have failed, or were removed by others, and are still named.
-    enum class Again : std::uint8_t { Try, Leave };
+    enum class Again : std::uint8_t { Try, TryFailed, Leave };
     /// From now on these files are served in place of those of the constructor, or of the last call: new ones are added,
     /// those that are not named any more are removed (what is being read first when it has been), what has failed, or was
-    /// removed by others, is tried again, or left as it is; and whether a file has changed is looked at at once. What load()
+    /// removed by others, is tried again (or only the former), or left as it is; and whether a file has changed is looked at at once. What load()
     /// brought stays.
     Changes serve(std::vector<std::filesystem::path> files, Again again = Again::Try);
     void requestStop();
@@ -132,7 +132,7 @@ class Loader {
     void disownLocked(const std::string& id);
     void addLocked(std::vector<std::filesystem::path> files);
     bool removeLocked(Named& named);
-    bool tryAgainLocked(Named& named);
+    bool tryAgainLocked(Named& named, Again again);
     bool dismissLocked(const std::string& id);
     bool leaveLocked(const std::string& id);
     std::size_t waiting() const {

@@ -235,7 +235,7 @@ class Stream {
     this.socket.on('message', (data, binary) => {
       if (!binary) return this.messages.push(JSON.parse(data.toString()));
       const [id, seq] = [Number(data.readBigUInt64LE(16)), Number(data.readBigUInt64LE(24))];
-      this.messages.push({ type: 'frame', id, seq, final: (data[9] & 4) !== 0, damaged: (data[9] & 8) !== 0 });
+      this.messages.push({ type: 'frame', id, seq, final: (data[9] & 4) !== 0, damaged: (data[9] & 8) !== 0, away: (data[9] & 16) !== 0 });
       this.send({ type: 'ack', frame: id });
     });
   }
@@ -289,9 +289,12 @@ test('a cut line shows coarser pictures and no error; the final one comes when i
     assert.match(problem, /unavailable/);
     assert.doesNotMatch(problem, /topsecret|127\.0\.0\.1/);
     assert.ok(!stream.frames(1).some((frame) => frame.final), 'coarser points are no final picture');
+    await comesTrue(() => stream.frames(1).at(-1).away, 'a frame that says why it is coarser');
+    await comesTrue(async () => metric(await far.metrics(), 'scancast_frames_away_total') > 0, 'it is counted');
     line.mend();
     await stream.final(1);
     assert.ok(!stream.frames(1).some((frame) => frame.damaged));
+    assert.ok(!stream.frames(1).some((frame) => frame.final && frame.away), 'what is final lacks nothing');
     assert.deepEqual(stream.messages.filter(({ type }) => ['problem', 'failed', 'bye'].includes(type)), []);
     const [there, here] = await Promise.all([far, near].map(async ({ url }) => {
       const got = await fetch(new URL(`api/v1/clouds/town/snapshot.png?${queryOf(closeBy)}`, url));

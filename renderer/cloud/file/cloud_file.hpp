@@ -42,6 +42,8 @@ class CloudFile {
     virtual bool isNative() const { return false; }
     /// Bytes that it takes itself beside its nodes, for as long as it is open.
     virtual std::uint64_t ownMemory() const { return 0; }
+    /// No block can be had at present but those that have been: what they come from is out of reach.
+    virtual bool isAway() const { return false; }
     /// Their photos' data may be read for as long as anybody has them, whatever becomes of this object.
     virtual const CloudFacts& facts() const = 0;
     /// Where the bytes of facts().photos are.

@@ -285,6 +285,7 @@ Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, Wh
             return frame;
         }
         if (isLost(frame) && begun.painter == painterNumber_) replacePainter(frame.error());
+        if (isAgain) begun.request->prepared.reset();
         auto again = begin(*begun.request, token, why);
         if (!again) return passOn(std::move(again));
         begun.frame = std::move(*again);

@@ -2,20 +2,16 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 
 #include "ranks/draw/packed_drawing.hpp"
 #include "ranks/front/job_messages.hpp"
+#include "tests/fuzz/require.hpp"
 
 using namespace scancast;
 
 namespace {
-
-void require(bool holds) {
-    if (!holds) std::abort();
-}
 
 /// What is sound is packed as it came.
 template <class T>

@@ -1,5 +1,5 @@
 // What somebody who looks at a cloud notices when a rank is killed: how long until the next frame, until one that is not coarser any
-// more, until the final still of where he came to rest.
+// more, until the final still of where he came to rest, until the ranks draw again. Frames that are not coarser before that are the front's own.
 //
 //     node tests/bench/ranks/lost_rank.mjs FOLDER_OF_THE_PROGRAMS CLOUD.scan [RANKS [KILLS [MEMORY_LIMIT]]]
 
@@ -44,7 +44,7 @@ try {
     const final = shown.at(-1);
     await front.untilUp(kill + 1);
     const up = performance.now();
-    const times = [killed, ...shown.map((frame) => frame.at)];
+    const times = [killed, ...shown.filter((frame) => frame.at <= whole.at).map((frame) => frame.at)];
     rows.push({ killed: who, stands, 'next frame': ms(next.at - killed), 'coarser frame': ms(away.at - killed),
       'longest gap': ms(Math.max(...times.slice(1).map((at, i) => at - times[i]))), 'coarser frames': shown.filter((frame) => frame.away).length,
       'whole frame': ms(whole.at - killed), 'final still': ms(final.at - killed), 'ranks are back': ms(up - killed) });

@@ -16,12 +16,11 @@ struct NodeShare {
     std::uint32_t number = 0;  ///< 0 … of - 1
     std::uint32_t of = 1;
 
-    /// By a hash, so that of whatever a view shows everybody has about as much: siblings are far apart.
+    /// Of nodes side by side - siblings, and what any view shows - everybody has as many, but for one or two: the golden ratio
+    /// spreads them more evenly than chance does.
     bool has(std::uint32_t node) const {
-        std::uint64_t x = (node + 1) * 0x9e3779b97f4a7c15u;
-        x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-        x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-        return (x >> 32) * of >> 32 == number;
+        const std::uint64_t place = node * 0x9e3779b97f4a7c15u;
+        return (place >> 32) * of >> 32 == number;
     }
 };
 

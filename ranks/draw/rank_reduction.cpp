@@ -105,7 +105,7 @@ void RankReduction::exchange(std::span<const cpu::SentSpans> sent, std::span<cpu
         begun(MPI_Isend(sent[r].spans.data(), linesOf(sent[r].spans.size()), line_, int(r), spansTag,
                         ranks_.handle(), &requests_[3 * ranks + r]));
     }
-    if (left > 0) ++traffic_.reductions;
+    if (left > 0) ++traffic_.exchanges;
     for (; left > 0; --left) {
         const std::size_t done = waitAnyOf(ranks_, requests_), r = done % ranks;
         if (done >= 2 * ranks) continue;
@@ -120,6 +120,7 @@ void RankReduction::exchange(std::span<const cpu::SentSpans> sent, std::span<cpu
                 room.size = bytes;
             }
             received[r].spans = {room.bytes.get(), bytes};
+            traffic_.received += received[r].marks.size_bytes() + bytes;
             if (bytes > 0) {
                 begun(MPI_Irecv(room.bytes.get(), linesOf(bytes), line_, int(r), spansTag, ranks_.handle(),
                                 &requests_[ranks + r]));

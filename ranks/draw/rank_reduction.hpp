@@ -13,10 +13,11 @@
 
 namespace scancast {
 
-/// What one rank has sent to the others.
+/// What one rank and the others have told each other.
 struct RankTraffic {
-    std::uint64_t bytes = 0;
-    std::uint64_t reductions = 0;  ///< how often ranks exchanged what they have
+    std::uint64_t bytes = 0;     ///< sent
+    std::uint64_t received = 0;  ///< of what was drawn
+    std::uint64_t exchanges = 0;
 };
 
 class RankReduction final : public cpu::PassReduction {

@@ -16,12 +16,9 @@ struct NodeShare {
     std::uint32_t number = 0;  ///< 0 … of - 1
     std::uint32_t of = 1;
 
-    /// Of nodes side by side - siblings, and what any view shows - everybody has as many, but for one or two: the golden ratio
-    /// spreads them more evenly than chance does.
-    bool has(std::uint32_t node) const {
-        const std::uint64_t place = node * 0x9e3779b97f4a7c15u;
-        return (place >> 32) * of >> 32 == number;
-    }
+    /// In turn, so that siblings, and whatever a view shows, are shared out more evenly than by chance; each 64 nodes the turn is
+    /// another, should only every second child have anything in it.
+    bool has(std::uint32_t node) const { return (node + node / 64) % of == number; }
 };
 
 /// Which cloud file, and where everybody finds it.

@@ -13,7 +13,6 @@
 namespace scancast::cpu {
 namespace {
 
-constexpr std::size_t spanLength = OccupiedSpans::length;
 /// From here on a key is none.
 constexpr Key noKey = Key{infiniteOrder} << 32;
 /// A magnitude that does not fit 32 bits, whatever it is.
@@ -24,13 +23,6 @@ constexpr std::int32_t rowsOfPiece = 48;
 enum Note : std::size_t { Magnitudes, notes };
 
 static_assert(tileSteps == OccupiedSpans::length, "a span is one tile's");
-
-/// A whole span of elements, of which `count` are pixels.
-template <class T, class From>
-void put(const From* from, std::int32_t count, T* to) {
-    for (std::int32_t i = 0; i < count; ++i) to[i] = std::bit_cast<T>(from[i]);
-    for (std::size_t i = static_cast<std::size_t>(count); i < spanLength; ++i) to[i] = T{};
-}
 
 float depthOf(Key key) {
     return std::bit_cast<float>(static_cast<std::int32_t>(key >> 32));
@@ -145,7 +137,7 @@ void Layer::leastToOwners(const std::vector<TileDrawing>& drawings) {
         [](const TileDrawing& tile, std::ptrdiff_t place, std::int32_t, std::int32_t, std::int32_t count,
            const Key* from) {
             Key* const keys = tile.target.keys + place;
-            for (std::int32_t i = 0; i < count; ++i) keys[i] = std::min(keys[i], from[i]);
+            inSpan(count, [&](std::size_t i) { keys[i] = std::min(keys[i], from[i]); });
         });
 }
 
@@ -194,7 +186,7 @@ void Layer::addToOwners(std::vector<TileDrawing>& drawings, const SplatPass& pas
                 const std::int32_t* from) {
                 inPlanes(tile, place, [&](std::size_t at, std::size_t plane) {
                     std::int32_t* const sums = tile.memory->sums.data() + at;
-                    for (std::int32_t i = 0; i < count; ++i) sums[i] += from[plane + std::size_t(i)];
+                    inSpan(count, [&](std::size_t i) { sums[i] += from[plane + i]; });
                 });
             });
         return;
@@ -219,7 +211,7 @@ void Layer::addToOwners(std::vector<TileDrawing>& drawings, const SplatPass& pas
             const std::int64_t* from) {
             inPlanes(tile, place, [&](std::size_t at, std::size_t plane) {
                 std::int64_t* const sums = tile.memory->wide.data() + at;
-                for (std::int32_t i = 0; i < count; ++i) sums[i] += from[plane + std::size_t(i)];
+                inSpan(count, [&](std::size_t i) { sums[i] += from[plane + i]; });
             });
         });
 }
@@ -394,86 +386,6 @@ void Layer::drawTogether(const FrameDrawing& frame, FrameStats& stats) {
     stats.add("resolve", spent());
     stats.add("wait", waiting);
     stats.add("reduce", reducing);
-}
-
-Planes Layer::own(const Planes& planes) const {
-    const Rows seen = seenBy(together_->reduction->number());
-    Planes part = planes;
-    part.area.y0 = planes.area.y0 + seen.y0;
-    part.area.y1 = planes.area.y0 + seen.y1;
-    const std::ptrdiff_t at = std::ptrdiff_t{seen.y0} * planes.area.width();
-    part.rgba += at;
-    if (part.depth != nullptr) part.depth += at;
-    if (part.normals != nullptr) part.normals += at;
-    return part;
-}
-
-void Layer::collect(const Planes& planes, Receivers to) {
-    if (workers_.stopped()) return;
-    PassReduction& reduction = *together_->reduction;
-    PackedSpans& packed = together_->packed;
-    const std::int32_t width = planes.area.width(), first = planes.area.y0 - area_.y0;
-    const Rows whole{0, planes.area.height()};
-    const auto rowsIn = [&](std::uint32_t device) {
-        const Rows rows = rowsOf(device);
-        return Rows{rows.y0 - first, rows.y1 - first}.intersect(whole);
-    };
-    const std::uint32_t number = reduction.number();
-    const bool everybody = to == Receivers::Everybody;
-    const bool sends = everybody || !reduction.shows(), gets = everybody || reduction.shows();
-    constexpr float far = std::numeric_limits<float>::infinity();
-    // work(plane, what it has where nothing is), each as of 32 bits.
-    const auto inEach = [&](std::int32_t y, const auto& work) {
-        const std::ptrdiff_t row = std::ptrdiff_t{y} * width;
-        work(planes.rgba + row, background_[static_cast<std::size_t>(y + first)]);
-        if (planes.depth != nullptr) work(planes.depth + row, far);
-        if (planes.normals != nullptr) work(planes.normals + row, 0u);
-    };
-    const std::size_t count = 1 + (planes.depth != nullptr ? 1 : 0) + (planes.normals != nullptr ? 1 : 0);
-    const Rows own = rowsIn(number);
-    packed.occupied.begin(width, whole);
-    std::uint32_t* out = nullptr;
-    const auto overRows = [&](const Rows& rows, const auto& work) {
-        workers_.overRows(rows.count(), [&](int y0, int y1) {
-            for (int y = rows.y0 + y0; y < rows.y0 + y1; ++y) work(y);
-        });
-    };
-    if (sends) {
-        overRows(own, [&](std::int32_t y) {
-            inEach(y, [&](const auto* pixels, auto nothing) {
-                packed.occupied.mark(y, 0, width, [&](std::int32_t x) { return pixels[x] != nothing; });
-            });
-        });
-        packed.occupied.settle();
-        out = packed.room<std::uint32_t>(packed.occupied.before(whole.y1) * count * spanLength);
-        overRows(own, [&](std::int32_t y) {
-            packed.occupied.inRow(y, 0, width, [&](std::int32_t x, std::int32_t n, std::size_t at) {
-                std::uint32_t* span = out + at * count * spanLength;
-                inEach(y, [&](const auto* pixels, auto) {
-                    put(pixels + x, n, span);
-                    span += spanLength;
-                });
-            });
-        });
-    } else {
-        packed.occupied.settle();
-    }
-    packed.exchange(
-        reduction, count * spanLength * sizeof(std::uint32_t),
-        [&](std::uint32_t d) { return sends && (everybody || d == 0) ? own : Rows{}; },
-        [&](std::uint32_t d) { return gets ? rowsIn(d) : Rows{}; },
-        [&](std::uint32_t d, const OccupiedSpans& theirs, const std::byte* in) {
-            overRows(rowsIn(d), [&](std::int32_t y) {
-                inEach(y, [&](auto* pixels, auto nothing) { std::fill_n(pixels, width, nothing); });
-                theirs.inRow(y, 0, width, [&](std::int32_t x, std::int32_t n, std::size_t at) {
-                    const std::byte* span = in + at * count * spanLength * sizeof(std::uint32_t);
-                    inEach(y, [&](auto* pixels, auto) {
-                        std::memcpy(pixels + x, span, static_cast<std::size_t>(n) * sizeof(std::uint32_t));
-                        span += spanLength * sizeof(std::uint32_t);
-                    });
-                });
-            });
-        });
 }
 
 }  // namespace scancast::cpu

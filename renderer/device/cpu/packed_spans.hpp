@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <memory>
 #include <vector>
@@ -12,6 +13,25 @@
 #include "renderer/device/cpu/pass_reduction.hpp"
 
 namespace scancast::cpu {
+
+inline constexpr std::size_t spanLength = OccupiedSpans::length;
+
+/// work(i): each of `count` elements of a span; mostly it is whole, and the compiler knows how long that is.
+template <class Work>
+void inSpan(std::int32_t count, const Work& work) {
+    if (count == OccupiedSpans::length) {
+        for (std::size_t i = 0; i < spanLength; ++i) work(i);
+    } else {
+        for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) work(i);
+    }
+}
+
+/// A whole span of elements, of which `count` are pixels.
+template <class T, class From>
+void put(const From* from, std::int32_t count, T* to) {
+    inSpan(count, [&](std::size_t i) { to[i] = std::bit_cast<T>(from[i]); });
+    for (std::size_t i = static_cast<std::size_t>(count); i < spanLength; ++i) to[i] = T{};
+}
 
 /// Whose rows of the screen are whose: neighbours', so that passes that look around need little of others.
 class Bands {

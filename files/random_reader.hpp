@@ -25,6 +25,8 @@ class RandomReader {
     virtual bool forget(std::uint64_t, std::uint64_t) const { return false; }
     /// Reading waits for others, not for this machine: many reads at once are no slower than one.
     virtual bool isRemote() const { return false; }
+    /// At present there is no reaching what it comes from: what is not here yet is Unavailable.
+    virtual bool isAway() const { return false; }
 };
 
 std::unique_ptr<RandomReader> readerOf(InputFile file);

@@ -9,7 +9,7 @@ namespace scancast {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> magic{'S', 'C', 'F', 'R'};
-constexpr unsigned movingBit = 1, stillBit = 2, finalBit = 4, damagedBit = 8;
+constexpr unsigned movingBit = 1, stillBit = 2, finalBit = 4, damagedBit = 8, awayBit = 16;
 
 /// The table in the header is what readers of other languages copy, so the code follows it too.
 constexpr FrameHeaderField field(std::string_view name) {
@@ -108,7 +108,8 @@ Expected<std::span<const std::uint8_t>> packedDepthIn(std::span<const std::uint8
 
 }  // namespace
 
-std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& header, std::size_t appended) {
+std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& header,
+                                                             std::size_t appended) {
     assert(frameHeaderLength + appended <= 65535);
     std::array<std::uint8_t, frameHeaderLength> bytes{};
     for (std::size_t i = 0; i < magic.size(); ++i) bytes[i] = magic[i];
@@ -117,7 +118,7 @@ std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& 
     put(bytes, "codec", static_cast<std::uint64_t>(header.codec));
     put(bytes, "flags",
         (header.moving ? movingBit : 0) | (header.still ? stillBit : 0) | (header.final ? finalBit : 0) |
-            (header.damaged ? damagedBit : 0));
+            (header.damaged ? damagedBit : 0) | (header.away ? awayBit : 0));
     put(bytes, "pictureLength", header.pictureLength);
     put(bytes, "frameId", header.frameId);
     put(bytes, "seq", header.seq);
@@ -137,6 +138,7 @@ Expected<ParsedFrame> parseFrame(std::span<const std::uint8_t> message) {
     header.still = (flags & stillBit) != 0;
     header.final = (flags & finalBit) != 0;
     header.damaged = (flags & damagedBit) != 0;
+    header.away = (flags & awayBit) != 0;
     header.pictureLength = get<std::uint32_t>(message, "pictureLength");
     header.frameId = get<std::uint64_t>(message, "frameId");
     header.seq = get<std::uint64_t>(message, "seq");

@@ -20,10 +20,11 @@ enum class Codec : std::uint8_t { Jpeg = 1 };
 
 struct FrameHeader {
     Codec codec = Codec::Jpeg;
-    bool moving = false;              ///< drawn while views arrive, at whatever quality the wanted fps allows
-    bool still = false;               ///< a step of refinement since views stopped
-    bool final = false;               ///< the full-quality still; nothing follows until something changes
-    bool damaged = false;             ///< of a final one: it lacks blocks that cannot be read
+    bool moving = false;   ///< drawn while views arrive, at whatever quality the wanted fps allows
+    bool still = false;    ///< a step of refinement since views stopped
+    bool final = false;    ///< the full-quality still; nothing follows until something changes
+    bool damaged = false;  ///< of a final one: it lacks blocks that cannot be read
+    bool away = false;     ///< coarser than it would be, for now: a part of the server is out of reach
     std::uint32_t pictureLength = 0;  ///< bytes of the picture behind the header
     std::uint64_t frameId = 0;        ///< counts a session's frames from 1; what `ack` names
     std::uint64_t seq = 0;            ///< of the `view` that this frame shows; 0 = none yet
@@ -38,11 +39,11 @@ struct FrameHeaderField {
     std::size_t offset, size;
 };
 inline constexpr std::array<FrameHeaderField, 13> frameHeaderFields{{
-    {"magic", 0, 4},           // "SCFR"
-    {"version", 4, 2},         // 1
-    {"headerLength", 6, 2},    // 48; larger when fields are appended, as frameDepthFields are
-    {"codec", 8, 1},           // 1 = JPEG
-    {"flags", 9, 1},           // bit 0 moving, 1 still, 2 final, 3 damaged; other bits 0, ignored by readers
+    {"magic", 0, 4},         // "SCFR"
+    {"version", 4, 2},       // 1
+    {"headerLength", 6, 2},  // 48; larger when fields are appended, as frameDepthFields are
+    {"codec", 8, 1},         // 1 = JPEG
+    {"flags", 9, 1},  // bit 0 moving, 1 still, 2 final, 3 damaged, 4 away; other bits 0, ignored by readers
     {"reserved", 10, 2},       // 0, ignored by readers
     {"pictureLength", 12, 4},  // bytes behind the header
     {"frameId", 16, 8},

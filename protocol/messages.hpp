@@ -140,6 +140,7 @@ struct Stats {
     double bandwidth = 0;  ///< of the acknowledged frames, bytes/s; 0 = no limit has shown yet
     std::string method;
     std::string methodReason;  ///< why this one, where the view says auto; else empty
+    bool away = false;         ///< as in the frame's header
     bool operator==(const Stats&) const = default;
 };
 

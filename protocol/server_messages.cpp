@@ -73,6 +73,7 @@ Expected<ServerMessage> readStats(FieldReader& fields) {
     fields.number("bandwidth", stats.bandwidth);
     fields.text("method", stats.method);
     fields.text("methodReason", stats.methodReason);
+    fields.flag("away", stats.away);
     eachEntry(fields, "stages", 64, [&](const json& item) {
         auto& stage = stats.stages.emplace_back();
         FieldReader entry(item, "stages", ErrorCode::Malformed);
@@ -161,6 +162,7 @@ json print(const Stats& stats) {
             {"dropped", stats.dropped},
             {"method", stats.method},
             {"methodReason", stats.methodReason},
+            {"away", stats.away},
             {"stages", stages}};
 }
 

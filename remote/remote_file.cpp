@@ -368,7 +368,7 @@ bool RemoteFile::changed() const {
     return changed_;
 }
 
-bool RemoteFile::away() const {
+bool RemoteFile::isAway() const {
     const Monitor::Look look(monitor_);
     return away_.has_value();
 }

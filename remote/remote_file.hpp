@@ -63,13 +63,13 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     void expect(std::uint64_t offset, std::uint64_t bytes) const override;
     bool forget(std::uint64_t offset, std::uint64_t bytes) const override;
     bool isRemote() const override { return true; }
+    bool isAway() const override;
 
     const ObjectState& state() const { return state_; }
     const std::string& shown() const { return access_->shown; }
     /// It has been replaced by another: found out by the way, or by look().
     bool changed() const;
-    bool away() const;
-    /// Asks whether it is what it was, in the background; what comes of it changes changed() and away().
+    /// Asks whether it is what it was, in the background; what comes of it changes changed() and isAway().
     void look();
 
   private:

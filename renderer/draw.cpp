@@ -30,6 +30,7 @@ FrameStats statsOf(const PreparedView& prepared, double provideMs, std::span<con
     FrameStats stats;
     stats.stages = {{"select", prepared.selectMs}, {"provide", provideMs}};
     tellCuts(cuts, stats);
+    stats.away = stats.away || (prepared.sun && prepared.sun->cut.away);
     stats.nodesDamaged = countDamaged(cuts, prepared.sun);
     stats.mirrorsLeftOut = static_cast<std::uint32_t>(prepared.cuts.size() - cuts.size());
     stats.method = prepared.planned->method;

@@ -52,6 +52,10 @@ class SampleStore {
     virtual bool whole() const = 0;
     /// It was tried, and its block cannot be read. What is only Unavailable is not damaged.
     virtual bool damaged(std::uint32_t node) const = 0;
+    /// What is not in memory cannot be had at present, because a part of the server is out of reach - storage behind a network,
+    /// another process -, and it comes by itself when that is back. Pictures that lack something meanwhile say so
+    /// (Cut::away). Never waits.
+    virtual bool isAway() const { return false; }
     /// Most samples that one picture may hold on to at once.
     virtual std::uint64_t capacity() const = 0;
     virtual std::uint64_t bytesResident() const = 0;

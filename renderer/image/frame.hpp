@@ -26,6 +26,7 @@ struct FrameStats {
     double spacingReached = 0;         ///< px
     std::uint32_t nodesMissing = 0;    ///< drawn by ancestors, because their blocks were not in memory
     std::uint64_t samplesMissing = 0;  ///< in those
+    bool away = false;  ///< some of those cannot be had at present: what they come from is out of reach
     std::uint32_t nodesDamaged = 0;    ///< lacking, each counted once, because their blocks cannot be read
     std::uint64_t bytesUploaded = 0;   ///< of samples, to the device's own memory, since the picture before
     std::uint64_t deviceBytes = 0;     ///< of the device's own memory, for samples

@@ -54,6 +54,7 @@ class SharedStore final : public SampleStore {
     }
     bool whole() const override { return whole_->whole(); }
     bool damaged(std::uint32_t node) const override { return share_.has(node) && whole_->damaged(node); }
+    bool isAway() const override { return whole_->isAway(); }
     std::uint64_t capacity() const override { return whole_->capacity() * share_.of; }
     std::uint64_t bytesResident() const override { return whole_->bytesResident(); }
 

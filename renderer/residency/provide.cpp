@@ -40,6 +40,7 @@ class Provision {
         if (!options_.wait && options_.request) request(atHand);
         cut_ = withStandIns(octree_, std::move(cut_), atHand,
                             [&](Cut& cut, const CutRun& run) { count(cut, run); });
+        cut_.away = cut_.nodesMissing > 0 && octree_.store().isAway();
         fill();
         return std::move(cut_);
     }

@@ -68,7 +68,9 @@ struct Cut {
     bool budgetReached = false;
     std::uint32_t nodesMissing =
         0;  ///< drawn by an ancestor, or not at all, because they are not in memory (yet)
-    std::uint64_t samplesMissing = 0;    ///< in those
+    std::uint64_t samplesMissing = 0;  ///< in those
+    bool away =
+        false;  ///< they cannot be had at present: what they come from is out of reach (SampleStore::isAway())
     std::vector<std::uint32_t> damaged;  ///< nodes likewise, whose blocks cannot be read: not missing
     std::vector<std::shared_ptr<const void>> keep;  ///< what `samples` point into
 };

@@ -223,6 +223,12 @@ struct Metrics::Families {
                                           .Help("Frames rendered with ancestors for blocks not in memory")
                                           .Register(registry)
                                           .Add({});
+    prometheus::Counter& framesAway =
+        prometheus::BuildCounter()
+            .Name("scancast_frames_away_total")
+            .Help("Frames sent coarser than they would be, because a part of the server is out of reach")
+            .Register(registry)
+            .Add({});
     prometheus::Gauge& residentBytes = prometheus::BuildGauge()
                                            .Name("scancast_residency_bytes")
                                            .Help("Memory that clouds take, blocks held by pictures included")
@@ -429,7 +435,8 @@ void Metrics::frameEncoded(double seconds, std::uint64_t bytes) {
     families_->bytes.Observe(double(bytes));
 }
 
-void Metrics::frameSent(double viewToFrameSeconds) {
+void Metrics::frameSent(double viewToFrameSeconds, bool away) {
+    if (away) families_->framesAway.Increment();
     families_->sent.Increment();
     families_->viewToFrame.Observe(viewToFrameSeconds);
 }

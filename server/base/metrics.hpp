@@ -70,7 +70,8 @@ class Metrics {
     void frameRendered(std::string_view method, double seconds, bool complete = true);
     void frameEncoded(double seconds, std::uint64_t bytes);
     /// A frame went to a stream; `viewToFrameSeconds` counts from the arrival of the view that it shows.
-    void frameSent(double viewToFrameSeconds);
+    /// `away`: coarser than it would be, because a part of the server is out of reach.
+    void frameSent(double viewToFrameSeconds, bool away = false);
     void frameDropped(DropReason reason);
     /// A picture was taken on that is priced at so many seconds of a core.
     void pictureAdmitted(double coreSeconds);

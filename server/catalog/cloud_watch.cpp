@@ -216,7 +216,7 @@ void CloudWatch::lookAtRemote(Watched& one) {
     }
     if (!options_.remote || now < one.openAgain) return;
     one.openAgain = now + 2 * options_.interval;
-    auto opened = openRemoteCloud(*options_.remote, one.served.place.name.native());
+    auto opened = openRemoteCloud(*options_.remote, one.served.place.name.native(), options_.native);
     if (!opened) {
         if (!std::exchange(one.unfound, true))
             note(fmt::format("{}: {}; what was fetched of it before is shown.", one.served.id,

@@ -38,12 +38,12 @@ std::string partHead(const FrameHeader& header) {
         "Scancast-Frame: {}\r\n"
         "Scancast-Seq: {}\r\n"
         "Scancast-Kind: {}\r\n"
-        "{}\r\n",
+        "{}{}\r\n",
         header.pictureLength, header.frameId, header.seq,
         header.final   ? "final"
         : header.still ? "still"
                        : "moving",
-        header.damaged ? "Scancast-Damaged: yes\r\n" : "");
+        header.damaged ? "Scancast-Damaged: yes\r\n" : "", header.away ? "Scancast-Away: yes\r\n" : "");
 }
 
 class MjpegConnection final : public SessionHost {

@@ -441,6 +441,8 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     header.still = order.still.has_value();
     header.final = order.still && order.still != StillSchedule::Still::Sharper;
     header.damaged = header.final && picture.stats.nodesDamaged > 0;  // nothing better will come
+    header.away = picture.stats.away;
+    if (header.away) stills_.saidAway();
     if (order.still) stills_.drawn(*order.still, picture.stats.samplesMissing, now);
     header.pictureLength = std::uint32_t(picture.bytes->size());
     header.frameId = ++lastFrame_;
@@ -459,7 +461,7 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     remember();  // first: who gets the frame may come back at once, by another connection
     port_.sendFrame(header, picture.bytes, picture.depth);
 
-    metrics_.frameSent(secondsBetween(order.viewTime, now));
+    metrics_.frameSent(secondsBetween(order.viewTime, now), header.away);
     sentTimes_.push_back(now);
     while (now - sentTimes_.front() > std::chrono::seconds(1)) sentTimes_.pop_front();
     // Who looks at a picture that stays may read what it is; of those that come and go, now and then is enough.
@@ -482,6 +484,7 @@ void StreamSession::sendStats(const Order& order, const EncodedPicture& picture,
     stats.dropped = overtaken_;
     stats.method = picture.stats.method;
     stats.methodReason = picture.stats.methodReason;
+    stats.away = picture.stats.away;
     for (const StageTime& stage : picture.stats.stages)
         stats.stages.push_back({stage.name, stage.milliseconds});
     port_.sendText(printMessage(stats));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace scancast {
 namespace {
@@ -20,6 +21,7 @@ void StillSchedule::begin(bool mayLack, Time now) {
     trialsLeft_ = mostTrials;
     leastMissing_ = std::numeric_limits<std::uint64_t>::max();
     finalWanted_ = true;
+    awayToSay_ = true;
 }
 
 std::optional<StillSchedule::Still> StillSchedule::due(bool busy, bool stillComing, Time now) const {
@@ -47,8 +49,12 @@ void StillSchedule::lacked(Time now) {
 
 void StillSchedule::away(Time now) {
     finalWanted_ = true;
-    stillsLeft_ = 0;
     since_ = now + times_.away - times_.quiet;
+    stillsLeft_ = std::exchange(awayToSay_, false) ? 1 : 0;
+    if (stillsLeft_ == 0) return;
+    trialNext_ = false;
+    since_ = now - times_.quiet;
+    next_ = now;
 }
 
 // What is missing in a still decides what comes next: another one, or the final one, which waits for the

@@ -45,8 +45,11 @@ class StillSchedule {
     void lacked(Time now);
     /// A still was drawn; `samplesMissing` from it.
     void drawn(Still still, std::uint64_t samplesMissing, Time now);
-    /// What the final one needs cannot be had at present: it is ordered again later, and what is shown stays.
+    /// What the final one needs cannot be had at present: it is ordered again later, and what is shown stays. Where no picture
+    /// of this view has said so yet, a sharper one comes first, at once, that does.
     void away(Time now);
+    /// A picture said that what it lacks cannot be had at present.
+    void saidAway() { awayToSay_ = false; }
     /// One that is not the final one could not be drawn: no second try, the final one has its own.
     void failed() { stillsLeft_ = 0; }
 
@@ -57,6 +60,7 @@ class StillSchedule {
     bool trialNext_ = false;          // else a sharper one
     int trialsLeft_ = 0;              // before the first sharper one
     int stillsLeft_ = 0;              // before the final one is ordered, whatever is missing
+    bool awayToSay_ = true;           // of this view
     std::uint64_t leastMissing_ = 0;  // of the stills so far
     Time next_;
 };

@@ -62,13 +62,33 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     server.damaged = true;
     await open();
     await waitUntilSharp(page);
-    assert.equal(await page.textContent('#damage'), 'Parts of this point cloud cannot be read; coarser points are shown in their place.');
-    assert.ok(await page.isVisible('#damage'));
+    assert.equal(await page.textContent('#lack'), 'Parts of this point cloud cannot be read; coarser points are shown in their place.');
+    assert.ok(await page.isVisible('#lack'));
     server.damaged = false;
     await drag(page, [300, 300], [420, 380]);
-    await page.waitForFunction(() => document.getElementById('damage').hidden, undefined, { timeout: 8000 });
+    await page.waitForFunction(() => document.getElementById('lack').hidden, undefined, { timeout: 8000 });
     await waitUntilSharp(page);
-    assert.ok(!(await page.isVisible('#damage')));
+    assert.ok(!(await page.isVisible('#lack')));
+  });
+
+  it('says that a part of the server is away, while pictures say so, in both themes', async () => {
+    server.away = true;
+    await open();
+    const note = page.locator('#lack');
+    await page.waitForFunction(() => !document.getElementById('lack').hidden);
+    assert.equal(await note.textContent(), 'Part of the server is away: the picture is coarser until it is back.');
+    assert.equal(await note.getAttribute('aria-live'), 'polite');
+    for (const colorScheme of ['dark', 'light']) {
+      await page.emulateMedia({ colorScheme });
+      assert.ok(await note.isVisible());
+      const [words, ground] = await note.evaluate((shown) => [getComputedStyle(shown).color, getComputedStyle(shown).backgroundColor]);
+      assert.notEqual(words, ground);
+    }
+    assert.notEqual(await page.getAttribute('#hud', 'data-state'), 'lost');
+    assert.ok(!(await page.isVisible('#toast')), 'nothing has failed');
+    server.comeBack();
+    await waitUntilSharp(page);
+    assert.ok(!(await page.isVisible('#lack')));
   });
 
   it("takes a guest's link out of the address, looks by it, and says when it is over", async () => {

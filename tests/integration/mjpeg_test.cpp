@@ -14,7 +14,7 @@ class MjpegClient {
         std::string kind;
         std::uint64_t seq = 0;
         std::string picture;
-        bool damaged = false;
+        bool damaged = false, away = false;
     };
 
     MjpegClient(std::uint16_t port, const std::string& query, const std::string& cloud = "one",
@@ -38,6 +38,8 @@ class MjpegClient {
         Part part{"", field("Scancast-Seq: ", start), buffer_.substr(headEnd + 4, length)};
         part.damaged =
             buffer_.substr(start, headEnd + 2 - start).find("Scancast-Damaged: yes\r\n") != std::string::npos;
+        part.away =
+            buffer_.substr(start, headEnd + 2 - start).find("Scancast-Away: yes\r\n") != std::string::npos;
         const auto kind = buffer_.find("Scancast-Kind: ", start) + 15;
         part.kind = buffer_.substr(kind, buffer_.find("\r\n", kind) - kind);
         buffer_.erase(0, headEnd + 4 + length);
@@ -110,7 +112,13 @@ TEST_F(MjpegTest, APartSaysThatItLacksSomething) {
     EXPECT_FALSE(client.finalPart(0).damaged);
     painter.damage(2);
     ASSERT_EQ(drive(client.session(), {{"seq", 3}, {"camera", {{"eye", {9, -50, 30}}}}}).status, 200);
-    EXPECT_TRUE(client.finalPart(3).damaged);
+    const auto damaged = client.finalPart(3);
+    EXPECT_TRUE(damaged.damaged && !damaged.away);
+    painter.damage(0);
+    painter.setAway(true);
+    ASSERT_EQ(drive(client.session(), {{"seq", 4}, {"camera", {{"eye", {9, -51, 30}}}}}).status, 200);
+    const auto coarser = client.finalPart(4);
+    EXPECT_TRUE(coarser.away && !coarser.damaged);
 }
 
 TEST_F(MjpegTest, AViewMayStandStillForLongerThanAWriteMayTake) {

@@ -68,8 +68,11 @@ Expected<std::string> chooseCloud(const Server& server, const std::string& given
     return clouds->front().id;
 }
 
-void DamageWarning::look(const FrameHeader& header) {
-    if (!header.damaged || std::exchange(said_, true)) return;
+void FrameWarnings::look(const FrameHeader& header) {
+    if (header.away && !std::exchange(saidAway_, true))
+        sayOn(stderr,
+              "scancast-client: a part of the server is away; pictures are coarser until it is back\n");
+    if (!header.damaged || std::exchange(saidDamage_, true)) return;
     sayOn(stderr,
           "scancast-client: parts of this cloud cannot be read; coarser points are shown in their place\n");
 }

@@ -34,13 +34,14 @@ int report(const Expected<void>& result);
 /// The cloud's id as given, or the server's first cloud.
 Expected<std::string> chooseCloud(const Server& server, const std::string& given);
 
-/// Says on standard error, the first time that it is called with a frame that lacks blocks, what such pictures are.
-class DamageWarning {
+/// Says on standard error, the first time that it is called with a frame that lacks blocks, or is coarser because a part of the
+/// server is away, what such pictures are.
+class FrameWarnings {
   public:
     void look(const FrameHeader& header);
 
   private:
-    bool said_ = false;
+    bool saidDamage_ = false, saidAway_ = false;
 };
 
 /// The whole file or an Io error that names it.

@@ -34,7 +34,7 @@ class Progress {
 };
 
 /// Acknowledges everything; returns the frame that shows view `seq` and is good enough.
-Expected<ReceivedFrame> frameOf(Stream& stream, std::uint64_t seq, bool anyQuality, DamageWarning& warning) {
+Expected<ReceivedFrame> frameOf(Stream& stream, std::uint64_t seq, bool anyQuality, FrameWarnings& warning) {
     for (;;) {
         auto frame = stream.receiveFrame();
         if (!frame) return frame;
@@ -49,7 +49,7 @@ Expected<ReceivedFrame> frameOf(Stream& stream, std::uint64_t seq, bool anyQuali
 Expected<std::vector<double>> takePictures(Stream& stream, FilmWriter& writer, const FilmFlags& flags,
                                            int count, const std::function<View(int)>& at) {
     Progress progress(count, flags.quiet);
-    DamageWarning warning;
+    FrameWarnings warning;
     std::vector<double> milliseconds;
     for (int i = 0; i < count; ++i) {
         const auto asked = Clock::now();

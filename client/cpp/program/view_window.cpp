@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <string_view>
+#include <utility>
 
 #include "client/cpp/decode.hpp"
 #include "client/cpp/live_stream.hpp"
@@ -203,7 +204,8 @@ class Window {
         if (texture_) SDL_UpdateTexture(texture_.get(), nullptr, pixels.rgb.data(), pixels.width * 3);
         draw();
         if (frame.header.final && frame.header.seq == seq_) ++finals_;
-        damage_.look(frame.header);
+        warnings_.look(frame.header);
+        if (std::exchange(away_, frame.header.away) != away_) titleChanged_ = true;
         trace("frame %llu %s %dx%d", static_cast<unsigned long long>(frame.header.seq),
               frame.header.final   ? "final"
               : frame.header.still ? "still"
@@ -229,6 +231,7 @@ class Window {
         titleChanged_ = false;
         std::string text = "Scancast - " + options_.cloud.title + " - " + view_.style.method;
         if (!status_.empty()) text += " - " + status_;
+        if (away_) text += " - a part of the server is away: coarser until it is back";
         text += helpShown_ ? std::string(" - ") + help : std::string(" - H: help");
         SDL_SetWindowTitle(window_.get(), text.c_str());
     }
@@ -390,7 +393,8 @@ class Window {
     Uint64 lastTicks_ = 0;
     std::uint64_t seq_ = 0;
     int finals_ = 0;
-    DamageWarning damage_;
+    FrameWarnings warnings_;
+    bool away_ = false;  // what is shown is coarser for it
     bool changed_ = false, titleChanged_ = false, helpShown_ = false;
     std::string status_;
     std::optional<Error> error_;

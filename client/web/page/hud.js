@@ -6,6 +6,8 @@ import { amount, counted, strings } from './strings.js';
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const windowMs = 1000;
+// While the camera moves, pictures that lack something of what is away and pictures that do not may take turns.
+const awayLingersMs = 1500;
 const words = strings.hud;
 
 const milliseconds = (value) => (Number.isFinite(value) ? `${value < 10 ? value.toFixed(1) : Math.round(value)} ms` : '–');
@@ -54,10 +56,16 @@ export class Hud {
   #stats;
   #method = '';
   #state = 'connecting';
+  #damaged = false;
+  #away = false; // the last frame says that a part of the server is
+  #awayAt = -Infinity; // when one said so last
 
   constructor() {
     find('hud').addEventListener('toggle', () => this.#render());
-    setInterval(() => this.#render(), 500);
+    setInterval(() => {
+      this.#render();
+      this.#showLack();
+    }, 500);
   }
 
   setState(state) {
@@ -69,7 +77,9 @@ export class Hud {
   begin() {
     this.clock.reset();
     this.#stats = undefined; // frames count from 1 again
-    this.setDamaged(false);
+    this.#damaged = this.#away = false;
+    this.#awayAt = -Infinity;
+    this.#showLack();
   }
 
   /** A view has been asked for. */
@@ -83,14 +93,19 @@ export class Hud {
     this.clock.drawn(frame.seq, performance.now());
     this.setState(frame.final ? 'sharp' : frame.still ? 'refining' : 'moving');
     // Frames on the way to the next final still do not know yet whether it lacks something.
-    if (frame.final) this.setDamaged(frame.damaged);
+    if (frame.final) this.#damaged = frame.damaged;
+    this.#away = frame.away;
+    if (frame.away) this.#awayAt = performance.now();
+    else if (frame.final) this.#awayAt = -Infinity;
+    this.#showLack();
   }
 
-  /** Whether the sentence is shown that tells of damage. */
-  setDamaged(damaged) {
-    const note = find('damage');
-    const said = damaged ? words.damage : '';
-    note.hidden = !damaged;
+  /** The sentences that tell what pictures lack, and for how long. */
+  #showLack() {
+    const note = find('lack');
+    const isAway = this.#away || performance.now() - this.#awayAt < awayLingersMs;
+    const said = [this.#damaged ? words.damage : '', isAway ? words.away : ''].filter(Boolean).join(' ');
+    note.hidden = said === '';
     if (note.textContent !== said) note.textContent = said;
   }
 

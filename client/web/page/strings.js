@@ -168,6 +168,7 @@ export const strings = {
     tip: 'State of the picture',
     states: { connecting: 'Connecting…', moving: 'Moving', refining: 'Refining', sharp: 'Sharp', waiting: 'Waiting', lost: 'Connection lost' },
     damage: 'Parts of this point cloud cannot be read; coarser points are shown in their place.',
+    away: 'Part of the server is away: the picture is coarser until it is back.',
     fps: (count) => `${count} fps`,
     sample: 'sample',
     samples: 'samples',

@@ -68,6 +68,7 @@ export function parseFrame(buffer) {
     still: (flags & 2) !== 0,
     final: (flags & 4) !== 0,
     damaged: (flags & 8) !== 0,
+    away: (flags & 16) !== 0,
     frameId: Number(data.getBigUint64(16, true)),
     seq: Number(data.getBigUint64(24, true)),
     width,

@@ -60,6 +60,7 @@ class StoredCloudFile final : public CloudFile {
     const fs::path& path() const override { return path_; }
     std::uint64_t bytes() const override { return reader_->size(); }
     bool isRemote() const override { return reader_->isRemote(); }
+    bool isAway() const override { return reader_->isAway(); }
     const CloudFacts& facts() const override { return contents_.facts.facts; }
     std::string_view writtenBy() const override { return contents_.facts.writtenBy; }
     std::span<const StoredNode> nodes() const override { return contents_.nodes; }

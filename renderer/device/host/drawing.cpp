@@ -149,6 +149,7 @@ void tellCuts(std::span<const CutView> cuts, FrameStats& stats) {
         stats.nodesCulled += view.cut.nodesCulled;
         stats.nodesMissing += view.cut.nodesMissing;
         stats.samplesMissing += view.cut.samplesMissing;
+        stats.away = stats.away || view.cut.away;
     }
 }
 

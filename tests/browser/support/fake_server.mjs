@@ -236,8 +236,8 @@ class FakeSession {
   }
 
   sendFrame(final, picture, width, height, id = ++this.frameId) {
-    const flags = final ? (this.server.damaged ? 14 : 6) : 1;
-    this.socket.sendBinary(headerOf({ frameId: id, seq: this.seq, width, height, flags, length: picture.length }), picture);
+    const flags = !final ? 1 : this.server.away ? 2 : this.server.damaged ? 14 : 6;
+    this.socket.sendBinary(headerOf({ frameId: id, seq: this.seq, width, height, flags: flags | (this.server.away ? 16 : 0), length: picture.length }), picture);
   }
 }
 
@@ -254,6 +254,7 @@ export class FakeServer {
   snapshotsGivenUp = 0;
   #snapshots = 0;
   damaged = false; // blocks of its clouds cannot be read
+  away = false; // some cannot be had at present: stills are coarser, and none is final
   knowsDepth = true; // else it refuses that word, as older servers do
   holdsHello; // a promise: who comes back is welcomed when it resolves
   showsAtOnce = false; // a frame of the view of the hello comes right behind the welcome
@@ -278,6 +279,12 @@ export class FakeServer {
   remove(id) {
     this.clouds = this.clouds.filter((cloud) => cloud.id !== id);
     for (const session of this.sessions) if (session.cloud?.id === id) session.dismiss();
+  }
+
+  /** What was away is there again: whoever waits gets the final picture. */
+  comeBack() {
+    this.away = false;
+    for (const session of this.sessions) session.want(false);
   }
 
   async stop() {

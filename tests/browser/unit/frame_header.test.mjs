@@ -28,7 +28,7 @@ describe('parseFrame', () => {
   it('reads every field', () => {
     const { picture, ...fields } = parseFrame(frameOf(goodBytes));
     assert.deepEqual(fields, {
-      moving: false, still: true, final: true, damaged: false, frameId: 258, seq: 2 ** 32, width: 1280, height: 720,
+      moving: false, still: true, final: true, damaged: false, away: false, frameId: 258, seq: 2 ** 32, width: 1280, height: 720,
       renderMicroseconds: 10000, encodeMicroseconds: 100, packedDepth: undefined,
     });
     assert.deepEqual([...picture], [0xff, 0xd8, 0xff]);
@@ -37,6 +37,7 @@ describe('parseFrame', () => {
   it('tells a final still that lacks blocks from one that is whole', () => {
     const { still, final, damaged } = parseFrame(changed([9, 14]));
     assert.deepEqual({ still, final, damaged }, { still: true, final: true, damaged: true });
+    assert.equal(parseFrame(changed([9, 17])).away, true);
   });
 
   it('skips a header that has grown', () => {

@@ -113,6 +113,11 @@ class FakePainter {
         const std::lock_guard lock(mutex_);
         damaged_ = blocks;
     }
+    /// Whether the next pictures say that a part of the server is.
+    void setAway(bool away) {
+        const std::lock_guard lock(mutex_);
+        away_ = away;
+    }
 
   private:
     Expected<PreparedPicture> prepare(const PictureOrder&, bool wait, const std::stop_token& stop) {
@@ -201,6 +206,7 @@ class FakePainter {
         frame.stats.add("select", 0.1);
         frame.stats.samplesDrawn = 7;
         frame.stats.nodesDamaged = damaged_;
+        frame.stats.away = away_;
         return frame;
     }
 
@@ -214,6 +220,7 @@ class FakePainter {
     int atOnce_ = 0, mostAtOnce_ = 0;
     bool loaded_ = true;
     std::uint32_t damaged_ = 0;
+    bool away_ = false;
     int loading_ = 0;
     int tickets_ = 0;
     int cancelled_ = 0;

@@ -60,6 +60,17 @@ TEST(FrameHeader, DamageIsABitOfItsOwn) {
     EXPECT_EQ(frame->header, header);
 }
 
+TEST(FrameHeader, SoIsWhatIsAway) {
+    auto header = sample();
+    header.moving = header.away = true;
+    header.still = header.final = false;
+    const auto bytes = message(header);
+    EXPECT_EQ(bytes[9], 17) << "moving, away";
+    const auto frame = parseFrame(bytes);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->header, header);
+}
+
 TEST(FrameHeader, BytesAreWhereTheTableSays) {
     // Written out by hand from PROTOCOL.md: little-endian, 48 bytes.
     const Bytes expected{'S',  'C',  'F',  'R',  1,    0,    48,   0,    1,    6,    0,    0,
@@ -82,7 +93,7 @@ TEST(FrameHeader, LongerHeadersOfLaterServersAreSkipped) {
     auto bytes = message(sample());
     bytes[6] = 56;
     bytes.insert(bytes.begin() + 48, {9, 9, 9, 9, 9, 9, 9, 9});
-    bytes[9] |= 0xF0;  // flags that nobody knows yet
+    bytes[9] |= 0xE0;  // flags that nobody knows yet
     bytes[10] = bytes[11] = 0xFF;
     const auto frame = parseFrame(bytes);
     ASSERT_TRUE(frame) << frame.error().message;

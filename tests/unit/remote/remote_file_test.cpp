@@ -179,12 +179,12 @@ TEST(RemoteFileTest, isAwayWhileItsServerIsAndBackByItself) {
     (void)read(*file, 1 << 20, 10);
     server.goAway(true);
     EXPECT_EQ(errorOfReading(*file, 500'000).code, ErrorCode::Unavailable);
-    EXPECT_TRUE(file->away());
+    EXPECT_TRUE(file->isAway());
     EXPECT_EQ(files.stats().away, 1u);
     EXPECT_EQ(read(*file, 1 << 20, 10), content.substr(1 << 20, 10)) << "what is here is here";
     EXPECT_EQ(errorOfReading(*file, 1'500'000).code, ErrorCode::Unavailable);
     server.goAway(false);
-    ASSERT_TRUE(comesTrue([&] { return !file->away(); }));
+    ASSERT_TRUE(comesTrue([&] { return !file->isAway(); }));
     EXPECT_EQ(read(*file, 500'000, 100), content.substr(500'000, 100));
     EXPECT_TRUE(comesTrue([&] {
         const std::lock_guard lock(mutex);
@@ -272,7 +272,7 @@ TEST(RemoteFileTest, givesUpServersThatSayNothingOrNeverEnd) {
         EXPECT_TRUE(comesTrue([&] { return hung.requests() > before; }));
         EXPECT_EQ(read(*healthy, 300'000, 100'000), content.substr(300'000, 100'000));
         reader.join();
-        EXPECT_TRUE(file->away());
+        EXPECT_TRUE(file->isAway());
     }
 }
 

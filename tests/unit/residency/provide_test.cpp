@@ -223,6 +223,23 @@ TEST_F(Provide, WhatStandsInForADamagedBlockIsMissingUntilItIsHere) {
         EXPECT_EQ(now->runs[r].nodeIndex, waited->runs[r].nodeIndex);
 }
 
+TEST_F(Provide, APictureThatLacksSomethingSaysWhetherWhatItComesFromIsAway) {
+    makeResident(9, 1.1);
+    const Cut wanted = randomCut(9);
+    store_->away = true;
+    const auto whole = provide(octree_, wanted, {.wait = false});
+    ASSERT_TRUE(whole);
+    EXPECT_FALSE(whole->away) << "all that is wanted is here";
+    store_->resident.erase(wanted.runs.back().nodeIndex);
+    for (const bool away : {true, false}) {
+        store_->away = away;
+        const auto coarser = provide(octree_, wanted, {.wait = false});
+        ASSERT_TRUE(coarser);
+        EXPECT_GT(coarser->samplesMissing, 0u);
+        EXPECT_EQ(coarser->away, away);
+    }
+}
+
 TEST_F(Provide, ADamagedRootIsNotTheEnd) {
     store_->broken = {0};
     Cut wanted;

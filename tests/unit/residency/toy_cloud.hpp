@@ -44,12 +44,14 @@ class ToyStore final : public SampleStore {
     }
     bool whole() const override { return false; }
     bool damaged(std::uint32_t node) const override { return broken.contains(node); }
+    bool isAway() const override { return away; }
     std::uint64_t capacity() const override { return 1'000'000; }
     std::uint64_t bytesResident() const override { return 0; }
 
     std::set<std::uint32_t> resident, broken;
     std::vector<BlockRequest> requests;
     std::uint64_t requester = 0;
+    bool away = false;
 
   private:
     SampleRun run(std::uint32_t node) {

@@ -12,6 +12,7 @@
 #include "renderer/cloud/build/chunks/staging.hpp"
 #include "renderer/cloud/build/frame/frame_octree.hpp"
 #include "renderer/cloud/build/grid.hpp"
+#include "renderer/cloud/build/nodes/spacing.hpp"
 #include "renderer/cloud/build/revision.hpp"
 #include "renderer/cloud/build/value_ranges.hpp"
 
@@ -79,20 +80,6 @@ CloudFacts factsOfFrame(const PointFrame& frame, const FrameOptions& options,
     return facts;
 }
 
-/// Median of the leaves', each counting as many times as it has points.
-double usualSpacing(const std::vector<StoredNode>& nodes, std::uint64_t points) {
-    std::vector<std::pair<float, std::uint64_t>> leaves;
-    for (const StoredNode& n : nodes)
-        if (n.node.isLeaf()) leaves.emplace_back(n.node.meanSpacing, n.node.points);
-    std::sort(leaves.begin(), leaves.end());
-    std::uint64_t below = 0;
-    for (const auto& [spacing, count] : leaves) {
-        below += count;
-        if (2 * below >= points) return spacing;
-    }
-    return 0;
-}
-
 Expected<std::shared_ptr<const Cloud>> buildFrame(const PointFrame& frame, const FrameOptions& options) {
     const PointBatch& points = frame.points;
     if (points.size() == 0) return fail(ErrorCode::Empty, "The frame has no points.");
@@ -111,7 +98,7 @@ Expected<std::shared_ptr<const Cloud>> buildFrame(const PointFrame& frame, const
         const FrameSurface surface = estimateFrameSurface(order, scanner);
         octree = buildFrameOctree({order, surface, cloud->surfels, cloud->oriented});
     });
-    cloud->spacing = usualSpacing(octree.nodes, cloud->points);
+    cloud->spacing = typicalSpacing(octree.nodes);
     cloud->revision = revisionOf(*cloud, octree);
     std::vector<Node> nodes;
     nodes.reserve(octree.nodes.size());

@@ -193,4 +193,21 @@ Spacing estimateSpacing(std::span<const glm::vec3> samples) {
     return {std::min(mean, closing), closing};
 }
 
+double typicalSpacing(std::span<const StoredNode> nodes) {
+    std::vector<std::pair<float, std::uint64_t>> leaves;
+    std::uint64_t points = 0;
+    for (const StoredNode& n : nodes) {
+        if (!n.node.isLeaf()) continue;
+        leaves.emplace_back(n.node.meanSpacing, n.node.points);
+        points += n.node.points;
+    }
+    std::sort(leaves.begin(), leaves.end());
+    std::uint64_t below = 0;
+    for (const auto& [spacing, count] : leaves) {
+        below += count;
+        if (2 * below >= points) return spacing;
+    }
+    return 0;
+}
+
 }  // namespace scancast

@@ -1,9 +1,12 @@
 // How far apart the samples of one node are: the number that decides when a node is fine enough for a view,
-// and how large its splats must be to close the surface. Pipeline: part of the octree builder. Pure function.
+// and how large its splats must be to close the surface; and how far apart a cloud's points are. Pipeline: part of
+// the octree builder. Pure functions.
 #pragma once
 
 #include <glm/vec3.hpp>
 #include <span>
+
+#include "renderer/cloud/file/block_place.hpp"
 
 namespace scancast {
 
@@ -25,5 +28,8 @@ struct Spacing {
 /// where samples are sparsest. Samples should be in an order that keeps neighbours together (Morton): it is
 /// then faster.
 Spacing estimateSpacing(std::span<const glm::vec3> samples);
+
+/// A cloud's: the median of its leaves' mean spacings, each counting as many times as the leaf has points; 0 without any.
+double typicalSpacing(std::span<const StoredNode> nodes);
 
 }  // namespace scancast

@@ -6,29 +6,12 @@
 #include <array>
 #include <cmath>
 
+#include "renderer/cloud/build/nodes/spacing.hpp"
 #include "renderer/cloud/exact_columns.hpp"
 
 namespace scancast {
 
 namespace {
-
-/// Median of the leaves' spacings, each leaf counting as many times as it has points.
-double typicalSpacing(const BuiltOctree& octree) {
-    std::vector<std::pair<float, std::uint64_t>> leaves;
-    std::uint64_t points = 0;
-    for (const StoredNode& n : octree.nodes) {
-        if (!n.node.isLeaf()) continue;
-        leaves.emplace_back(n.node.meanSpacing, n.node.points);
-        points += n.node.points;
-    }
-    std::sort(leaves.begin(), leaves.end());
-    std::uint64_t below = 0;
-    for (const auto& [spacing, count] : leaves) {
-        below += count;
-        if (2 * below >= points) return spacing;
-    }
-    return 0;
-}
 
 /// The box of the scan on its grid: exact on its own grid, else a step larger at most.
 GridBox boxOf(const StagedScan& scan, const Grid& grid) {
@@ -177,7 +160,7 @@ Expected<BuildPlan> planBuild(const StagedScan& scan, const ScanHeader& header, 
 }
 
 void completeFacts(CloudFacts& facts, const OctreeInput& input, const BuiltOctree& octree) {
-    facts.spacing = typicalSpacing(octree);
+    facts.spacing = typicalSpacing(octree.nodes);
     if (facts.usual) facts.usual->curvature = octree.usualCurvature;
     if (input.findSides) facts.sides = KnownSides{KnownSides::By::Neighbours, octree.sure};
 }

@@ -81,6 +81,8 @@ TEST(Metrics, TellWhatDrawsAndHowOftenItWasLost) {
 TEST(Metrics, ResidencyIsToldAsItIsAndCountersOnlyRise) {
     Metrics metrics("1");
     metrics.frameRendered("cone", 0.02, false);
+    metrics.frameSent(0.05, true);
+    metrics.frameSent(0.05);
     BlockCacheStats stats;
     stats.limit = 1000;
     stats.bytes = 900;
@@ -92,9 +94,10 @@ TEST(Metrics, ResidencyIsToldAsItIsAndCountersOnlyRise) {
     stats.blocksLoaded = 9;
     metrics.setResidency(stats);
     const std::string text = metrics.text();
-    for (const char* line : {"scancast_frames_incomplete_total 1\n", "scancast_residency_limit_bytes 1000\n",
-                             "scancast_residency_bytes 400\n", "scancast_blocks_loaded_total 9\n",
-                             "scancast_blocks_evicted_total 3\n", "scancast_block_load_errors_total 1\n"}) {
+    for (const char* line : {"scancast_frames_incomplete_total 1\n", "scancast_frames_away_total 1\n",
+                             "scancast_residency_limit_bytes 1000\n", "scancast_residency_bytes 400\n",
+                             "scancast_blocks_loaded_total 9\n", "scancast_blocks_evicted_total 3\n",
+                             "scancast_block_load_errors_total 1\n"}) {
         EXPECT_THAT(text, HasSubstr(line));
     }
 }

@@ -69,6 +69,43 @@ TEST_F(ColdCloud, WhatLacksOnlyDamagedBlocksIsTheEndAndSaysSo) {
     EXPECT_FALSE(port.frames[2].damaged) << "nobody ends with a moving frame";
 }
 
+TEST_F(ColdCloud, AFrameThatIsCoarserBecauseAPartOfTheServerIsAwaySaysSo) {
+    hello();
+    tryTwice();
+    finishMissing(2, 500);
+    ASSERT_EQ(port.frames.size(), 1U);
+    EXPECT_FALSE(port.frames[0].away) << "nobody knows yet";
+    pass(100);
+    for (std::size_t n = 3; !order(n).complete; ++n) {
+        if (order(n).onlyWhole)
+            refuse(n);
+        else
+            finishMissing(n, 500);
+        pass(100);
+    }
+    const std::size_t final = port.orders.size() - 1, before = port.frames.size();
+    session->pictureDone(port.orders[final].number, fail(ErrorCode::Unavailable, "away"), now);
+    ASSERT_EQ(port.orders.size(), final + 2) << "at once";
+    EXPECT_EQ(order(final + 1).view.quality.samples, 1);
+    EncodedPicture coarser;
+    coarser.bytes = std::make_shared<const Bytes>(Bytes{1, 2, 3});
+    coarser.width = coarser.height = 8;
+    coarser.stats.samplesMissing = 500;
+    coarser.stats.away = true;
+    session->pictureDone(port.orders[final + 1].number, std::move(coarser), now);
+    ASSERT_EQ(port.frames.size(), before + 1);
+    EXPECT_TRUE(port.frames.back().away && port.frames.back().still && !port.frames.back().final);
+    ack(port.frames.back().frameId);
+    ASSERT_EQ(port.orders.size(), final + 3);
+    EXPECT_TRUE(order(final + 2).complete);
+    session->pictureDone(port.orders[final + 2].number, fail(ErrorCode::Unavailable, "away"), now);
+    EXPECT_EQ(port.orders.size(), final + 3) << "from now on at leisure";
+    pass(2000);
+    ASSERT_EQ(port.orders.size(), final + 4);
+    finishMissing(final + 3, 0);
+    EXPECT_TRUE(port.frames.back().final && !port.frames.back().away) << "it is back";
+}
+
 TEST_F(ColdCloud, StillsGetSharperUntilNothingIsMissingThenComesTheFinalOne) {
     hello();
     tryTwice();

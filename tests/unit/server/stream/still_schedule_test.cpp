@@ -33,6 +33,7 @@ TEST_F(StillPlanTest, OfAViewThatLacksNothingTheFinalOneComesAfterTheQuiet) {
 TEST_F(StillPlanTest, AFinalOneWhoseBlocksCannotBeHadNowIsOrderedAgainLater) {
     schedule.begin(true, start);
     schedule.ordered(Still::Final);
+    schedule.saidAway();
     schedule.away(start + 1s);
     EXPECT_FALSE(idle(start + 2999ms));
     EXPECT_EQ(idle(start + 3s), Still::Final);
@@ -41,6 +42,20 @@ TEST_F(StillPlanTest, AFinalOneWhoseBlocksCannotBeHadNowIsOrderedAgainLater) {
     schedule.away(start + 4s);
     schedule.begin(false, start + 5s);
     EXPECT_EQ(idle(start + 5150ms), Still::Final) << "another view does not wait for that";
+}
+
+TEST_F(StillPlanTest, WhereNoPictureHasSaidThatBlocksCannotBeHadOneDoesSoAtOnce) {
+    schedule.begin(true, start);
+    schedule.ordered(Still::Final);
+    schedule.away(start + 1s);
+    EXPECT_EQ(idle(start + 1s), Still::Sharper);
+    schedule.ordered(Still::Sharper);
+    schedule.drawn(Still::Sharper, 500, start + 1s);
+    EXPECT_EQ(idle(start + 1s), Still::Final) << "it may be back";
+    schedule.ordered(Still::Final);
+    schedule.away(start + 2s);
+    EXPECT_FALSE(idle(start + 3999ms)) << "once for each view, whatever that picture said";
+    EXPECT_EQ(idle(start + 4s), Still::Final);
 }
 
 TEST_F(StillPlanTest, AnotherViewBeginsAnew) {

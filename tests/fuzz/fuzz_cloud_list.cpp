@@ -1,19 +1,11 @@
 // What says which clouds there are behind a URL: pages of a bucket's objects, lists at web servers, and what a list's words mean. Nothing
 // may crash; what is believed must be whole, and a word must lead to where a list may name something.
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 
 #include "remote/cloud_list.hpp"
 #include "remote/object_list.hpp"
-
-namespace {
-
-void require(bool condition) {
-    if (!condition) std::abort();
-}
-
-}  // namespace
+#include "tests/fuzz/require.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;

@@ -16,6 +16,13 @@ std::string firstOf(const char* one, const char* other) {
     return value.empty() ? variable(other) : value;
 }
 
+/// Of a query's value, everything that is not plain.
+std::string valueEncoded(const std::string& value) {
+    std::string encoded;
+    for (const char c : percentEncoded(value)) encoded += c == '/' ? std::string("%2F") : std::string(1, c);
+    return encoded;
+}
+
 bool isWord(const std::string& text) {
     return std::ranges::all_of(text, [](char c) { return c > 0x20 && c < 0x7f; });
 }
@@ -91,6 +98,22 @@ Expected<ObjectAccess> accessTo(const RemoteUrl& url, const RemoteEnvironment& e
         "x-amz-content-sha256: e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
     if (!environment.sessionToken.empty())
         access.headers.push_back("x-amz-security-token: " + environment.sessionToken);
+    return access;
+}
+
+Expected<ObjectAccess> accessTo(const ListAsk& ask, const RemoteEnvironment& environment) {
+    constexpr std::string_view object = "/x";
+    const auto inside = RemoteUrl::parse("s3://" + ask.bucket + std::string(object));
+    if (!inside) return passOn(inside);
+    auto access = accessTo(*inside, environment);
+    if (!access) return access;
+    access->url.resize(access->url.size() - object.size());
+    access->shown = "s3://" + ask.bucket + "/" + ask.prefix;
+    if (access->url.find('/', access->url.find("://") + 3) == access->url.npos) access->url += '/';
+    // In the order in which they are signed.
+    access->url += '?';
+    if (!ask.next.empty()) access->url += "continuation-token=" + valueEncoded(ask.next) + "&";
+    access->url += "delimiter=%2F&list-type=2&prefix=" + valueEncoded(ask.prefix);
     return access;
 }
 

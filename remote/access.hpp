@@ -32,4 +32,12 @@ struct ObjectAccess {
 /// that is no URL.
 Expected<ObjectAccess> accessTo(const RemoteUrl& url, const RemoteEnvironment& environment);
 
+/// Which objects of a bucket there are whose key begins with a prefix; what comes behind its next slash is one (ListObjectsV2).
+struct ListAsk {
+    std::string bucket, prefix;
+    std::string next{};  ///< as the page before said; empty: the first one
+};
+/// How that is asked for. InvalidArgument also for what is no bucket's name.
+Expected<ObjectAccess> accessTo(const ListAsk& ask, const RemoteEnvironment& environment);
+
 }  // namespace scancast

@@ -146,4 +146,12 @@ tl::expected<ObjectState, RequestFault> judge(const AnswerHead& head, std::uint6
     return state;
 }
 
+tl::expected<ObjectState, RequestFault> judgeWhole(const AnswerHead& head, std::string_view body) {
+    if (head.status != 200) return tl::unexpected(faultOf(head, body, false));
+    if (!head.contentEncoding.empty() && !isSame(head.contentEncoding, "identity"))
+        return tl::unexpected(
+            RequestFault{RequestFault::Kind::Unsuitable, "its server compresses it, and was asked not to"});
+    return ObjectState{0, head.etag, head.lastModified};
+}
+
 }  // namespace scancast

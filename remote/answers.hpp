@@ -63,4 +63,7 @@ tl::expected<ObjectState, RequestFault> judge(const AnswerHead& head, std::uint6
                                               std::uint64_t bytes, const ObjectState* expected,
                                               std::string_view body = {});
 
+/// The same of an answer that brings all there is: its size is not known until it has ended.
+tl::expected<ObjectState, RequestFault> judgeWhole(const AnswerHead& head, std::string_view body = {});
+
 }  // namespace scancast

@@ -92,6 +92,36 @@ Expected<std::shared_ptr<RemoteFile>> RemoteFiles::open(const RemoteUrl& url) {
     return RemoteFile::create(std::move(*shared), object, url.identity(), std::move(*start));
 }
 
+Expected<RemoteDocument> RemoteFiles::fetch(const RemoteUrl& url, std::uint64_t most,
+                                            const std::string& unless) {
+    auto access = accessTo(url, options_.environment);
+    if (!access) return passOn(std::move(access));
+    return fetch(std::move(*access), url.shown(), most, unless);
+}
+
+Expected<RemoteDocument> RemoteFiles::fetch(const ListAsk& ask, const std::string& shown,
+                                            std::uint64_t most) {
+    auto access = accessTo(ask, options_.environment);
+    if (!access) return passOn(std::move(access));
+    return fetch(std::move(*access), shown, most, {});
+}
+
+Expected<RemoteDocument> RemoteFiles::fetch(ObjectAccess access, const std::string& shown, std::uint64_t most,
+                                            const std::string& unless) {
+    auto shared = commons();
+    if (!shared) return passOn(std::move(shared));
+    const auto all = std::make_shared<std::promise<PartOrFault>>();
+    PartAsk ask{std::make_shared<const ObjectAccess>(std::move(access)), 0, most};
+    ask.whole = true;
+    ask.unless = unless;
+    (*shared)->transfers->start(std::move(ask), [all](PartOrFault part) { all->set_value(std::move(part)); });
+    auto part = all->get_future().get();
+    if (!part) return tl::unexpected(errorOf(part.error(), shown));
+    const auto* const text = reinterpret_cast<const char*>(part->bytes.data());
+    return RemoteDocument{std::string(text, part->bytes.size()), std::move(part->state.etag),
+                          part->isUnchanged};
+}
+
 void RemoteFiles::onChanged(std::function<void()> tell) {
     const std::lock_guard lock(changes_->mutex);
     changes_->tell = std::move(tell);

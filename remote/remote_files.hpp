@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 
+#include "remote/access.hpp"
 #include "remote/remote_file.hpp"
 #include "remote/remote_url.hpp"
 
@@ -28,6 +29,12 @@ struct RemoteOptions {
     /// Counts the memory for pieces, for as long as the result lives.
     std::function<std::shared_ptr<const void>(std::uint64_t bytes)> reserve{};
     bool stopsWithOwner = true;  ///< else files that are open go on
+};
+
+/// All of something small.
+struct RemoteDocument {
+    std::string text, etag;
+    bool isUnchanged = false;  ///< it has the ETag that was given; without text
 };
 
 struct RemoteStats {
@@ -49,6 +56,11 @@ class RemoteFiles {
     /// InvalidArgument for credentials; NotFound; Unavailable for what may pass; Unsupported for a server that sends no parts;
     /// Io for one that refuses, and for the folder.
     Expected<std::shared_ptr<RemoteFile>> open(const RemoteUrl& url);
+    /// All of what is there, `most` bytes at most, unless it still has the ETag `unless`; nothing is kept of it, and nothing is tried
+    /// again. Waits, and no longer than a request takes. Errors: as open().
+    Expected<RemoteDocument> fetch(const RemoteUrl& url, std::uint64_t most, const std::string& unless = {});
+    /// A page of what a bucket holds; `shown`: what errors call it.
+    Expected<RemoteDocument> fetch(const ListAsk& ask, const std::string& shown, std::uint64_t most);
     /// Called when one that is open turns out to be another now; replaces what was to be called before.
     void onChanged(std::function<void()> tell);
     /// Whoever waits gets Unavailable, now and later.
@@ -57,6 +69,8 @@ class RemoteFiles {
 
   private:
     Expected<std::shared_ptr<RemoteCommons>> commons();
+    Expected<RemoteDocument> fetch(ObjectAccess access, const std::string& shown, std::uint64_t most,
+                                   const std::string& unless);
 
     const RemoteOptions options_;
     mutable std::mutex mutex_;  // guards what follows

@@ -63,9 +63,10 @@ bool Transfer::begin(Handle handle, const TransferLimits& limits) {
     addHeader("Accept-Encoding: identity");
     if (ask_.expected)
         if (const std::string tag = ask_.expected->strongTag(); !tag.empty()) addHeader("If-Match: " + tag);
+    if (!ask_.unless.empty()) addHeader("If-None-Match: " + ask_.unless);
     const std::string range = fmt::format("{}-{}", ask_.first, ask_.first + ask_.bytes - 1);
     set(CURLOPT_URL, access.url.c_str());
-    set(CURLOPT_RANGE, range.c_str());
+    if (!ask_.whole) set(CURLOPT_RANGE, range.c_str());
     set(CURLOPT_HTTPHEADER, headers_.get());
     set(CURLOPT_USERAGENT, "scancast");
     set(CURLOPT_NOSIGNAL, 1L);
@@ -123,28 +124,41 @@ bool Transfer::takeBody(std::string_view data) {
     }
     if (head_.status >= 300) return true;  // of a redirection, which curl bounds by time
     if (bytes_.empty()) {
-        const auto state = judge(head_, ask_.first, ask_.bytes, ask_.expected ? &*ask_.expected : nullptr);
+        const auto state = judged();
         if (!state) {
             fault_ = state.error();
             return false;
         }
     }
     if (data.size() > ask_.bytes - bytes_.size()) {
-        fault_ = RequestFault{RequestFault::Kind::Unsuitable, "its server sends more than was asked for"};
+        fault_ = RequestFault{RequestFault::Kind::Unsuitable,
+                              ask_.whole ? fmt::format("it is longer than {} bytes", ask_.bytes)
+                                         : "its server sends more than was asked for"};
         return false;
     }
-    if (bytes_.empty()) bytes_.reserve(ask_.bytes);
+    if (bytes_.empty() && !ask_.whole) bytes_.reserve(ask_.bytes);
     const auto* const from = reinterpret_cast<const std::byte*>(data.data());
     bytes_.insert(bytes_.end(), from, from + data.size());
     return true;
+}
+
+tl::expected<ObjectState, RequestFault> Transfer::judged(std::string_view body) const {
+    return ask_.whole ? judgeWhole(head_, body)
+                      : judge(head_, ask_.first, ask_.bytes, ask_.expected ? &*ask_.expected : nullptr, body);
 }
 
 PartOrFault Transfer::end(CURLcode result) {
     if (fault_) return tl::unexpected(std::move(*fault_));
     const bool isError = head_.status >= 400;
     if (result != CURLE_OK && !isError) return tl::unexpected(faultOfCurl(result));
-    auto state = judge(head_, ask_.first, ask_.bytes, ask_.expected ? &*ask_.expected : nullptr, errorBody_);
+    if (ask_.whole && head_.status == 304 && !ask_.unless.empty())
+        return Part{{0, ask_.unless, {}}, {}, true};
+    auto state = judged(errorBody_);
     if (!state) return tl::unexpected(std::move(state.error()));
+    if (ask_.whole) {
+        state->bytes = bytes_.size();
+        return Part{std::move(*state), std::move(bytes_)};
+    }
     if (bytes_.size() != std::min(ask_.bytes, state->bytes - ask_.first))
         return tl::unexpected(RequestFault{RequestFault::Kind::Unreachable, "its answer ended too early"});
     return Part{std::move(*state), std::move(bytes_)};

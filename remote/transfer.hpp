@@ -1,5 +1,5 @@
-// One request for a part of an object, as curl makes it: what is sent, what of the answer is kept, and what ends it. An answer
-// is read no further than what was asked for, however long the server goes on. Owned by `Transfers`, used on its thread.
+// One request for a part of an object, or for all of something small, as curl makes it: what is sent, what of the answer is kept, and
+// what ends it. An answer is read no further than what was asked for, however long the server goes on. Owned by `Transfers`, used on its thread.
 // Place: pieces → **transfer** → network.
 #pragma once
 
@@ -24,11 +24,15 @@ struct PartAsk {
     std::optional<ObjectState> expected{};  ///< that it has to have; an answer of another is a fault
     int tries = 1;                          ///< how often at most, where nothing comes
     std::chrono::milliseconds delay{0};     ///< before the first one
+    /// Not a part: all there is, of `bytes` bytes at most, unless it still has the ETag `unless`.
+    bool whole = false;
+    std::string unless{};
 };
 
 struct Part {
     ObjectState state;
     std::vector<std::byte> bytes;
+    bool isUnchanged = false;  ///< it has the ETag that it was asked for unless; without bytes
 };
 using PartOrFault = tl::expected<Part, RequestFault>;
 /// Called once, on the thread of the transfers; must not wait.
@@ -65,6 +69,7 @@ class Transfer {
     static std::size_t onHeader(char* data, std::size_t size, std::size_t count, void* self);
     static std::size_t onBody(char* data, std::size_t size, std::size_t count, void* self);
     bool takeBody(std::string_view data);
+    tl::expected<ObjectState, RequestFault> judged(std::string_view body = {}) const;
 
     PartAsk ask_;
     const PartDone done_;

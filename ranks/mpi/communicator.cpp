@@ -1,6 +1,7 @@
 #include "ranks/mpi/communicator.hpp"
 
 #include <fmt/format.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <array>
@@ -54,35 +55,59 @@ Communicator::~Communicator() {
     if (!lost_) MPI_Comm_free(&comm_);
 }
 
-Expected<void> Communicator::wait(std::span<MPI_Request> requests, Pace pace, MPI_Status* statuses) const {
+Expected<void> Communicator::waitUntil(const std::function<Expected<bool>()>& isDone,
+                                       std::chrono::microseconds patience,
+                                       std::chrono::microseconds longestPause) const {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     std::optional<Clock::time_point> givenUp;
     auto pause = std::chrono::microseconds(10);
     for (;;) {
         if (lost_) return fail(ErrorCode::Cancelled, "Interrupted while ranks waited for each other.");
-        int isDone = 0;
-        if (auto ok = judged(MPI_Testall(int(requests.size()), requests.data(), &isDone,
-                                         statuses ? statuses : MPI_STATUSES_IGNORE));
-            !ok)
-            return ok;
-        if (isDone) return {};
+        const auto done = isDone();
+        if (!done) return passOn(done);
+        if (*done) return {};
         const auto now = Clock::now();
         if (interrupted_.stop_requested()) {
             if (!givenUp) givenUp = now + graceOfOthers;
             if (now > *givenUp) lost_ = true;
         }
-        if (pace == Pace::Brisk) {
-            if (now - start < briskly)
-                std::this_thread::yield();
-            else
-                std::this_thread::sleep_for(briskPause);
+        if (now - start < patience) {
+            ::sched_yield();
             continue;
         }
-        if (now - start < patience) continue;
         std::this_thread::sleep_for(pause);
         pause = std::min(pause * 2, longestPause);
     }
+}
+
+Expected<void> Communicator::wait(std::span<MPI_Request> requests, Pace pace, MPI_Status* statuses) const {
+    const auto isDone = [&]() -> Expected<bool> {
+        int done = 0;
+        if (auto ok = judged(MPI_Testall(int(requests.size()), requests.data(), &done,
+                                         statuses ? statuses : MPI_STATUSES_IGNORE));
+            !ok)
+            return passOn(ok);
+        return done != 0;
+    };
+    return pace == Pace::Brisk ? waitUntil(isDone, briskly, briskPause)
+                               : waitUntil(isDone, patience, longestPause);
+}
+
+Expected<std::size_t> Communicator::waitAny(std::span<MPI_Request> requests,
+                                            std::chrono::microseconds patience) const {
+    int which = MPI_UNDEFINED;
+    const auto isDone = [&]() -> Expected<bool> {
+        int done = 0;
+        if (auto ok =
+                judged(MPI_Testany(int(requests.size()), requests.data(), &which, &done, MPI_STATUS_IGNORE));
+            !ok)
+            return passOn(ok);
+        return done != 0;
+    };
+    if (auto ok = waitUntil(isDone, patience, longestPause); !ok) return passOn(ok);
+    if (which == MPI_UNDEFINED) return fail(ErrorCode::Internal, "A rank waits for what nobody began.");
+    return std::size_t(which);
 }
 
 Expected<void> Communicator::done(int code, MPI_Request& request) const {

@@ -216,7 +216,7 @@ void CloudWatch::lookAtRemote(Watched& one) {
     }
     if (!options_.remote || now < one.openAgain) return;
     one.openAgain = now + 2 * options_.interval;
-    auto opened = openRemoteCloud(*options_.remote, one.served.place.name.native());
+    auto opened = openRemoteCloud(*options_.remote, one.served.place.name.native(), options_.native);
     if (!opened) {
         if (!std::exchange(one.unfound, true))
             note(fmt::format("{}: {}; what was fetched of it before is shown.", one.served.id,
@@ -234,7 +234,8 @@ void CloudWatch::lookAtRemote(Watched& one) {
 void CloudWatch::changed(Watched& one, InputFile file) {
     const FileIdentity identity = file.identity();
     if (identity == one.told) return;
-    auto opened = CloudFile::open(std::move(file));
+    const bool isScan = !one.served.kept && isCopcFile(file);
+    auto opened = isScan ? openNative(std::move(file), options_.native) : CloudFile::open(std::move(file));
     if (opened) return serveAgain(one, identity, std::move(*opened));
     // Somebody may be writing it.
     if (identity != one.pending) {

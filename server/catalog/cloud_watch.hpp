@@ -47,6 +47,7 @@ struct CloudWatchOptions {
     std::shared_ptr<BlockCache> cache;
     std::shared_ptr<DamageReports> damage;  ///< may be empty: then only names are looked at
     std::shared_ptr<RemoteFiles> remote{};  ///< opens what is behind a URL again
+    NativeOpening native{};                 ///< and how, where that is a scan
     /// Between questions whether something behind a URL is what it was; whatever is read of it tells, too.
     std::chrono::milliseconds remoteInterval{60000};
     /// What happened, for the log.

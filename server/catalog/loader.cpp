@@ -120,6 +120,9 @@ class Loader::IngestMemory {
 Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions options)
     : catalog_(catalog),
       options_(stoppedBy(stop_.get_token(), std::move(options))),
+      native_{.decoders = ChunkDecoders::create(options_.import),
+              .memory = std::min(NativeOpening().memory, options_.cache->stats().limit / 8),
+              .surfels = options_.shape.surfels},
       watch_(catalog, watchOptions()) {
     std::error_code none;
     sweepOwnedFolders(fs::temp_directory_path(none));  // of servers that were killed
@@ -190,8 +193,10 @@ bool Loader::removeLocked(Named& named) {
     return true;
 }
 
-bool Loader::tryAgainLocked(Named& named) {
+bool Loader::tryAgainLocked(Named& named, Again again) {
+    if (again == Again::Leave) return false;
     const auto entry = catalog_.find(named.id);
+    if (!entry && again == Again::TryFailed) return false;
     if (entry && entry->state != CloudState::Failed) return false;
     if (!entry) {
         std::string id = catalog_.add(plainName(named.file).stem().string());
@@ -225,7 +230,7 @@ Loader::Changes Loader::serve(std::vector<fs::path> files, Again again) {
             }
             files.erase(at);
             named->leaves = false;
-            changes.tried += again == Again::Try && tryAgainLocked(*named) ? 1 : 0;
+            changes.tried += tryAgainLocked(*named, again) ? 1 : 0;
             ++named;
         }
         changes.added = files.size();
@@ -411,7 +416,7 @@ Loader::Result Loader::openRemote(Job& job) {
     if (!options_.remote)
         return fail(ErrorCode::Unsupported,
                     shownArgument(job.file().native()) + ": URLs are not opened here");
-    auto opened = openRemoteCloud(*options_.remote, job.file().native());
+    auto opened = openRemoteCloud(*options_.remote, job.file().native(), native_);
     if (!opened) return passOn(std::move(opened));
     WatchedFile watched{.id = job.id, .place = job.place, .file = opened->file, .remote = opened->object};
     job.watched = watched;
@@ -468,8 +473,22 @@ Loader::Result Loader::openIn(Expected<InputFile> file, Job& job, bool kept) {
     return openCloud(std::move(*opened), options_.cache);
 }
 
+/// Without ingest. Its own file is watched, as a cloud file is.
+Loader::Result Loader::openAsItIs(const ScanInput& input, Job& job) {
+    auto shared = input.file().share();
+    if (!shared) return passOn(std::move(shared));
+    WatchedFile watched{.id = job.id, .place = job.place, .identity = shared->identity()};
+    auto opened = openNative(std::move(*shared), native_);
+    if (!opened) return passOn(std::move(opened));
+    watched.file = *opened;
+    job.watched = watched;
+    watch_.opened(std::move(watched));
+    return openCloud(std::move(*opened), options_.cache);
+}
+
 Loader::Result Loader::cloudOf(const ScanInput& input, Job& job) {
     if (isCloudFile(input.file())) return openIn(input.file().share(), job, false);
+    if (options_.native && !input.octree() && isCopcFile(input.file())) return openAsItIs(input, job);
     const std::string title = input.path().filename().string();
     const fs::path path = options_.kept ? keptPath(input, options_) : fs::path();
     if (options_.kept && !job.instead) {
@@ -600,6 +619,7 @@ CloudWatchOptions Loader::watchOptions() {
     watching.cache = options_.cache;
     watching.damage = options_.damage;
     watching.remote = options_.remote;
+    watching.native = native_;
     watching.onNote = [this](const std::string& text) { note(text); };
     watching.onRefused = options_.onFailed;
     watching.onDamaged = options_.onDamaged;

@@ -25,6 +25,7 @@
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/block_cache.hpp"
+#include "server/base/native_cloud.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/catalog/cloud_watch.hpp"
 #include "server/catalog/damage_reports.hpp"
@@ -48,6 +49,7 @@ struct LoaderOptions {
     /// Keeps scans as cloud files, named by a digest of what they are made of. Empty = nothing is kept; that, and what there
     /// is no room for, goes through a file in the system's temporary folder where it does not fit into memory.
     std::shared_ptr<KeptClouds> kept;
+    bool native = false;                            ///< scans that can be shown as they are are not ingested
     std::string version;                            ///< of the program: another one builds anew
     std::shared_ptr<DamageReports> damage;          ///< of the cache's files; may be empty
     std::shared_ptr<RemoteFiles> remote{};          ///< opens cloud files behind URLs; empty = none is
@@ -81,10 +83,10 @@ class Loader {
         std::size_t added = 0, removed = 0, tried = 0;  ///< tried: again, because they had failed
     };
     /// What becomes of files that have failed, or were removed by others, and are still named.
-    enum class Again : std::uint8_t { Try, Leave };
+    enum class Again : std::uint8_t { Try, TryFailed, Leave };
     /// From now on these files are served in place of those of the constructor, or of the last call: new ones are added,
     /// those that are not named any more are removed (what is being read first when it has been), what has failed, or was
-    /// removed by others, is tried again, or left as it is; and whether a file has changed is looked at at once. What load()
+    /// removed by others, is tried again (or only the former), or left as it is; and whether a file has changed is looked at at once. What load()
     /// brought stays.
     Changes serve(std::vector<std::filesystem::path> files, Again again = Again::Try);
     void requestStop();
@@ -130,7 +132,7 @@ class Loader {
     void disownLocked(const std::string& id);
     void addLocked(std::vector<std::filesystem::path> files);
     bool removeLocked(Named& named);
-    bool tryAgainLocked(Named& named);
+    bool tryAgainLocked(Named& named, Again again);
     bool dismissLocked(const std::string& id);
     bool leaveLocked(const std::string& id);
     std::size_t waiting() const {
@@ -156,6 +158,7 @@ class Loader {
     /// Through a file without a name.
     Result buildOnDisk(const ScanInput& input, const std::string& id);
     /// `kept`: it is a file that a scan is kept in.
+    Result openAsItIs(const ScanInput& input, Job& job);
     Result openIn(Expected<InputFile> file, Job& job, bool kept);
     /// `room`: what is reserved for it already.
     Result build(const ScanInput& input, const std::string& id, std::shared_ptr<const void> room = nullptr);
@@ -170,6 +173,7 @@ class Loader {
     Catalog& catalog_;
     std::stop_source stop_;
     const LoaderOptions options_;
+    const NativeOpening native_;
     std::mutex room_;          // held while it is decided whether a scan fits into memory
     mutable Monitor monitor_;  // guards what follows, and requests of a stop
     Jobs unsorted_, own_, remote_, forImporters_;

@@ -9,7 +9,7 @@
 
 #include "files/input_file.hpp"
 #include "files/machine.hpp"
-#include "remote/remote_url.hpp"
+#include "remote/remote_listing.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/commands/scans/found_scans.hpp"
 #include "server/net/clients/open_files.hpp"
@@ -178,8 +178,10 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
     flag("--catalog", options.catalog, "SCANCAST_CATALOG",
          "Folder whose cloud files are served for as long as they are there: it is looked at every two "
          "seconds. "
-         "Scans and folders in it are left out")
-        ->type_name("FOLDER");
+         "Scans and folders in it are left out. Or s3://BUCKET/PREFIX/, whose objects NAME.scan are, or the "
+         "URL "
+         "of a list that names clouds, one a line: asked for every five seconds")
+        ->type_name("FOLDER|URL");
     flag(
         "--importers", options.importers, "SCANCAST_IMPORTERS",
         "How many files importers may read at the same time; files that need no importer never wait for them")
@@ -218,6 +220,10 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
                  "Read scans faster by not estimating the normals and radii that disc, ewa, voronoi and "
                  "shading=phong need. Cloud files stay as they are")
         ->envname("SCANCAST_NO_SURFELS");
+    app.add_flag("--native", options.native,
+                 "Show scans in COPC as they are, without ingest: at once, and points are read as views want "
+                 "them. Those behind URLs are always shown so")
+        ->envname("SCANCAST_NATIVE");
     app.add_flag("--insecure", options.insecure,
                  "Let in everybody who can reach the address, without a token")
         ->envname("SCANCAST_INSECURE");
@@ -287,6 +293,7 @@ Expected<std::uint64_t> cacheSize(const ServeOptions& options) {
 CacheShares cacheShares(const ServeOptions& options) {
     const std::uint64_t asked = cacheSize(options).value_or(0);
     const bool isRemote =
+        isRemoteUrl(options.catalog.native()) ||
         std::ranges::any_of(options.files, [](const auto& file) { return isRemoteUrl(file.native()); });
     if (options.cacheDir.empty() || !isRemote) return {asked, 0};
     const std::uint64_t all = asked > 0 ? asked : tenthOfTheDisk(options.cacheDir);
@@ -438,6 +445,11 @@ Expected<void> checkFlags(const ServeOptions& options) {
          {std::pair("cache-dir", &options.cacheDir), std::pair("data-root", &options.server.dataRoot),
           std::pair("catalog", &options.catalog)}) {
         if (folder->empty() || std::filesystem::is_directory(*folder, error)) continue;
+        if (folder == &options.catalog && isRemoteUrl(folder->native())) {
+            if (auto listing = RemoteListing::create(folder->native()); !listing)
+                return fail(ErrorCode::InvalidArgument, "--catalog: " + listing.error().message, flag);
+            continue;
+        }
         return fail(
             ErrorCode::InvalidArgument,
             "--" + std::string(flag) + ": there is no folder " + folder->string() + "; create it first.",

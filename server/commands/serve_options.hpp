@@ -24,7 +24,7 @@ struct ServeOptions {
     bool insecure = false;
     std::filesystem::path authTokenFile, adminTokenFile, guestKeyFile, sessionKeyFile;  ///< empty = none
     std::filesystem::path
-        catalog;           ///< a folder whose cloud files are served as they come and go; empty = none
+        catalog;           ///< a folder, or a URL, whose clouds are served as they come and go; empty = none
     int drainSeconds = 0;  ///< for which clients are given time to go to another server
     std::size_t maxConnections = 0;  ///< 0 = what sessions need, and short requests
     std::string adminListen;         ///< as written: "127.0.0.1:9090"; empty = nowhere
@@ -38,6 +38,7 @@ struct ServeOptions {
     ImporterFlags importer;
     int importers = 2;             ///< at once
     bool noSurfels = false;        ///< scans are built without normals and radii
+    bool native = false;           ///< scans that can be are shown as they are
     std::filesystem::path config;  ///< empty = none
     bool checkConfig = false;      ///< say what holds, and serve nothing
     std::string logLevel = "info";

@@ -1,19 +1,11 @@
 // What is read of object storage and of a shared folder: URLs, heads and errors of answers, pieces on disk. Nothing may crash; what
 // is believed must be what was asked for, and what is shown of a URL must not have its query.
-#include <cstdlib>
 #include <string>
 
 #include "remote/access.hpp"
 #include "remote/answers.hpp"
 #include "remote/piece_folder.hpp"
-
-namespace {
-
-void require(bool condition) {
-    if (!condition) std::abort();
-}
-
-}  // namespace
+#include "tests/fuzz/require.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;

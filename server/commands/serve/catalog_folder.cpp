@@ -5,20 +5,18 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <set>
 #include <span>
 #include <system_error>
 #include <utility>
 
 #include "renderer/cloud/file/cloud_file.hpp"
-#include "server/catalog/catalog.hpp"
 
 namespace scancast {
 
 namespace fs = std::filesystem;
 
 CatalogFolder::CatalogFolder(fs::path path, std::function<void(const std::string&)> onNote)
-    : path_(std::move(path)), onNote_(std::move(onNote)) {}
+    : path_(std::move(path)), onNote_(std::move(onNote)), choice_(path_.string(), onNote_) {}
 
 void CatalogFolder::note(const std::string& text) {
     if (onNote_) onNote_(text);
@@ -93,32 +91,6 @@ bool CatalogFolder::isServed(const std::string& name, Known& known) {
     return known.isWhole;
 }
 
-std::vector<fs::path> CatalogFolder::choose(std::size_t most) {
-    std::vector<fs::path> files;
-    std::vector<std::string> namesakes;
-    std::set<std::string> ids;
-    std::size_t beyond = 0;
-    for (auto& [name, known] : known_) {
-        if (!isServed(name, known)) continue;
-        if (!ids.insert(cloudIdFor(fs::path(name).stem().string())).second)
-            namesakes.push_back(name);
-        else if (files.size() < most)
-            files.push_back(path_ / name);
-        else
-            ++beyond;
-    }
-    for (const std::string& name : namesakes)
-        if (std::ranges::find(namesakes_, name) == namesakes_.end())
-            note(fmt::format("{} is not served: another file's cloud has the id {} already; rename one.",
-                             (path_ / name).string(), cloudIdFor(fs::path(name).stem().string())));
-    namesakes_ = std::move(namesakes);
-    if (beyond > 0 && !isFull_)
-        note(fmt::format("{}: {} clouds are not served, because --max-clouds leaves room for {}.",
-                         path_.string(), beyond, most));
-    isFull_ = beyond > 0;
-    return files;
-}
-
 bool CatalogFolder::look(std::size_t most) {
     const auto there = names();
     if (!there) return false;
@@ -128,7 +100,10 @@ bool CatalogFolder::look(std::size_t most) {
         known.emplace(name, before == known_.end() ? Known{} : std::move(before->second));
     }
     known_ = std::move(known);
-    auto files = choose(most);
+    std::vector<CatalogCandidate> candidates;
+    for (auto& [name, one] : known_)
+        if (isServed(name, one)) candidates.push_back({path_ / name, (path_ / name).string(), name});
+    auto files = choice_.choose(std::move(candidates), most);
     const bool isOther = files != files_;
     files_ = std::move(files);
     return isOther;

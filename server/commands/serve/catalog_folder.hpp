@@ -19,21 +19,20 @@
 #include <vector>
 
 #include "files/input_file.hpp"
+#include "server/commands/serve/catalog_place.hpp"
 
 namespace scancast {
 
-class CatalogFolder {
+class CatalogFolder final : public CatalogPlace {
   public:
     static constexpr std::size_t mostNames = 100'000;  ///< of files of any kind
 
     /// Notes are sentences for the log: what is left out and why, each reason once for each name until it is whole.
     CatalogFolder(std::filesystem::path path, std::function<void(const std::string&)> onNote);
 
-    /// Looks; whether files(), of which there are to be `most`, are others than before. A folder that cannot be read changes
-    /// nothing, and is told of once.
-    bool look(std::size_t most);
-    /// Whole cloud files, in byte order; no two of them have the same id.
-    const std::vector<std::filesystem::path>& files() const { return files_; }
+    bool look(std::size_t most) override;
+    /// Whole cloud files.
+    const std::vector<std::filesystem::path>& files() const override { return files_; }
 
   private:
     enum class Reason : std::uint8_t { Unreadable = 1, NoCloudFile = 2, NotWhole = 4 };
@@ -46,14 +45,13 @@ class CatalogFolder {
     bool isServed(const std::string& name, Known& known);
     void judge(const std::string& name, const InputFile& file, Known& known);
     void leaveOut(const std::string& name, Known& known, Reason reason, const std::string& why);
-    std::vector<std::filesystem::path> choose(std::size_t most);
     void note(const std::string& text);
 
     std::filesystem::path path_;
     std::function<void(const std::string&)> onNote_;
-    bool isUnreadable_ = false, isFull_ = false;
+    CatalogChoice choice_;
+    bool isUnreadable_ = false;
     std::map<std::string, Known> known_;  ///< by name; those that are there
-    std::vector<std::string> namesakes_;  ///< that were left out, and told
     std::vector<std::filesystem::path> files_;
 };
 

@@ -9,7 +9,7 @@ namespace scancast {
 
 CatalogLookout::CatalogLookout(LookoutOptions options)
     : options_(std::move(options)),
-      folder_(options_.folder, options_.onNote),
+      place_(catalogPlace(options_.place, options_.remote, options_.onNote)),
       most_(options_.most),
       thread_([this] { run(); }) {}
 
@@ -23,12 +23,13 @@ void CatalogLookout::run() {
     while (!stops_) {
         const std::size_t most = most_;
         lock.unlock();
-        std::optional<Files> news;
-        std::ignore = contained("Looking at the folder of clouds", [&] {
-            if (folder_.look(most)) news = folder_.files();
+        std::optional<News> news;
+        std::ignore = contained("Looking for clouds", [&] {
+            if (place_ && place_->look(most)) news = News{place_->files(), place_->isAnew()};
         });
         lock.lock();
         hasLooked_ = true;
+        if (news) news->isAnew = news->isAnew || (news_ && news_->isAnew);
         if (news) news_ = std::move(news);
         std::ignore =
             monitor_.waitUntil(lock, Monitor::Clock::now() + options_.interval, [this] { return stops_; });
@@ -41,7 +42,7 @@ bool CatalogLookout::waitForFirst(std::chrono::milliseconds patience) {
     return monitor_.waitUntil(lock, Monitor::Clock::now() + patience, [this] { return hasLooked_; });
 }
 
-std::optional<CatalogLookout::Files> CatalogLookout::takeNews() {
+std::optional<CatalogLookout::News> CatalogLookout::takeNews() {
     const Monitor::Lock lock(monitor_);
     return std::exchange(news_, std::nullopt);
 }

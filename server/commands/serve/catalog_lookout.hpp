@@ -1,7 +1,7 @@
-// Looks at the folder of --catalog again and again on a thread of its own, because a folder of a network may not answer for minutes,
-// and hands over what is there now. Who asks for that never waits for a disk: the main thread has signals to serve meanwhile.
+// Looks at the place of --catalog again and again on a thread of its own, because a folder of a network, or a server, may not answer for
+// minutes, and hands over what is there now. Who asks for that never waits for a disk: the main thread has signals to serve meanwhile.
 //
-// Owned by `serve`'s cloud sources. Place: folder → **lookout** → cloud sources → loader. *Thread safety*: any thread; notes come on
+// Owned by `serve`'s cloud sources. Place: folder, URL → **lookout** → cloud sources → loader. *Thread safety*: any thread; notes come on
 // the lookout's own.
 #pragma once
 
@@ -13,14 +13,16 @@
 #include <thread>
 #include <vector>
 
-#include "server/commands/serve/catalog_folder.hpp"
+#include "server/commands/serve/catalog_place.hpp"
 #include "threads/monitor.hpp"
 
 namespace scancast {
 
 struct LookoutOptions {
-    std::filesystem::path folder;
-    std::size_t most = 0;                      ///< clouds of it at the same time
+    std::filesystem::path place;  ///< a folder, or a URL
+    std::shared_ptr<RemoteFiles>
+        remote{};          ///< asks for the latter; is stopped before the lookout is waited for
+    std::size_t most = 0;  ///< clouds of it at the same time
     std::chrono::milliseconds interval{2000};  ///< between two looks
     std::function<void(const std::string&)> onNote{};
 };
@@ -28,6 +30,10 @@ struct LookoutOptions {
 class CatalogLookout {
   public:
     using Files = std::vector<std::filesystem::path>;
+    struct News {
+        Files files;          ///< CatalogPlace::files()
+        bool isAnew = false;  ///< CatalogPlace::isAnew(), of any look since the last news
+    };
 
     /// It has begun to look.
     explicit CatalogLookout(LookoutOptions options);
@@ -38,24 +44,25 @@ class CatalogLookout {
 
     /// Waits until it has looked once; false when that takes longer.
     bool waitForFirst(std::chrono::milliseconds patience);
-    /// What the folder holds, as CatalogFolder::files(), when that is another list than the last one that was taken.
-    std::optional<Files> takeNews();
+    /// What is there, when that is other than what was taken last.
+    std::optional<News> takeNews();
     /// From the next look on.
     void setMost(std::size_t most);
     void requestStop();
     /// It looks no more.
     bool finished() const;
-    const std::filesystem::path& path() const { return options_.folder; }
+    /// As it may be told.
+    std::string shown() const { return shownArgument(options_.place.native()); }
 
   private:
     void run();
 
     const LookoutOptions options_;
-    CatalogFolder folder_;  // the thread's own
+    const std::unique_ptr<CatalogPlace> place_;  // the thread's own
     mutable Monitor monitor_;
     std::size_t most_;
     bool hasLooked_ = false, stops_ = false, finished_ = false;
-    std::optional<Files> news_;
+    std::optional<News> news_;
     std::thread thread_;  // last: it uses all of the above
 };
 

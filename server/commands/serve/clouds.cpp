@@ -1,5 +1,6 @@
 #include "server/commands/serve/clouds.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -30,6 +31,7 @@ LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageR
     loading.onChanged = [&server] { server.cloudsChanged(); };
     loading.kept = options.server.kept;
     loading.shape.surfels = !options.noSurfels;
+    loading.native = options.native;
     loading.version = std::string(scancastVersion());
     loading.onNote = [&bar](const std::string& note) {
         bar.clear();
@@ -68,10 +70,15 @@ LiveOptions liveOptions(const ServeOptions& options, ScancastServer& server, Pro
     return live;
 }
 
+/// Each look is a request, or one for a thousand objects, and storage bills those.
+constexpr std::chrono::seconds betweenLists{5};
+
 std::unique_ptr<CatalogLookout> lookout(const ServeOptions& options, std::size_t most, ProgressBar& bar) {
     if (options.catalog.empty()) return nullptr;
     LookoutOptions looking;
-    looking.folder = options.catalog;
+    looking.place = options.catalog;
+    looking.remote = options.server.remote;
+    if (isRemoteUrl(options.catalog.native())) looking.interval = betweenLists;
     looking.most = most;
     looking.onNote = [&bar](const std::string& note) {
         bar.clear();
@@ -80,14 +87,14 @@ std::unique_ptr<CatalogLookout> lookout(const ServeOptions& options, std::size_t
     return std::make_unique<CatalogLookout>(std::move(looking));
 }
 
-/// So that the server is not ready before the clouds of a folder that answers are; for one that does not, signals do not wait.
-std::vector<std::filesystem::path> firstOf(CatalogLookout* folder) {
+/// So that the server is not ready before the clouds of a place that answers are; for one that does not, signals do not wait.
+std::vector<std::filesystem::path> firstOf(CatalogLookout* place) {
     constexpr std::chrono::seconds patience{5};
-    if (!folder) return {};
-    if (!folder->waitForFirst(patience))
-        spdlog::warn("{}: the folder has not answered for {} s; its clouds are served when it has.",
-                     folder->path().string(), patience.count());
-    return folder->takeNews().value_or(CatalogLookout::Files());
+    if (!place) return {};
+    if (!place->waitForFirst(patience))
+        spdlog::warn("{}: it has not answered for {} s; its clouds are served when it has.", place->shown(),
+                     patience.count());
+    return place->takeNews().value_or(CatalogLookout::News()).files;
 }
 
 }  // namespace
@@ -127,10 +134,13 @@ Loader::Changes CloudSources::serve(const std::vector<std::filesystem::path>& fi
 void CloudSources::lookAround() {
     auto news = folder_ ? folder_->takeNews() : std::nullopt;
     if (!news) return;
-    folderFiles_ = std::move(*news);
-    const Loader::Changes changes = loader_.serve(both(), Loader::Again::Leave);
-    spdlog::info("{}: {} clouds; {} added, {} removed", folder_->path().string(), folderFiles_.size(),
-                 changes.added, changes.removed);
+    folderFiles_ = std::move(news->files);
+    const Loader::Changes changes =
+        loader_.serve(both(), news->isAnew ? Loader::Again::TryFailed : Loader::Again::Leave);
+    if (changes.added + changes.removed + changes.tried == 0) return;
+    spdlog::info("{}: {} clouds; {} added, {} removed{}", folder_->shown(), folderFiles_.size(),
+                 changes.added, changes.removed,
+                 changes.tried > 0 ? fmt::format(", {} tried again", changes.tried) : "");
 }
 
 bool CloudSources::failed() const {

@@ -25,9 +25,9 @@ class CloudSources {
     /// Options that check() has found sound.
     CloudSources(const ServeOptions& options, std::shared_ptr<DamageReports> damage, ScancastServer& server,
                  ProgressBar& bar);
-    /// From now on these files, and what the folder of --catalog holds (Loader::serve()).
+    /// From now on these files, and what the place of --catalog holds (Loader::serve()).
     Loader::Changes serve(const std::vector<std::filesystem::path>& files);
-    /// What has changed in the folder since the last call is served, and told. What an administrator removed from the list
+    /// What has changed in that place since the last call is served, and told. What an administrator removed from the list
     /// stays removed as long as its file is there.
     void lookAround();
     /// None of them has anything to show, and none will.

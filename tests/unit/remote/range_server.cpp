@@ -118,7 +118,11 @@ std::string RangeServer::answer(const std::string& head, bool& close, bool& drip
         at != head.npos && head.substr(at + 10, etag_.size()) != etag_)
         return plain(412, "", "");
     const auto at = head.find("Range: bytes=");
-    if (at == head.npos || does == Does::SendsAll) return plain(200, "", content_);
+    if (at == head.npos || does == Does::SendsAll) {
+        std::string all = plain(200, fmt::format("ETag: {}\r\n", etag_), content_);
+        if (does == Does::BreaksOff) close = true, all.resize(all.size() - content_.size() / 2 - 1);
+        return all;
+    }
     char* rest = nullptr;
     std::size_t first = std::strtoull(head.c_str() + at + 13, &rest, 10);
     std::size_t last = std::min<std::size_t>(std::strtoull(rest + 1, nullptr, 10), content_.size() - 1);

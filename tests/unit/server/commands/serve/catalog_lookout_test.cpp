@@ -25,7 +25,7 @@ class CatalogLookoutTest : public ::testing::Test {
         SyntheticSource source(500, ground, {});
         writeCloud(*build(source), folder / "whole");
         fs::create_directory(folder / "clouds");
-        options.folder = folder / "clouds";
+        options.place = folder / "clouds";
         options.most = 10;
         options.interval = std::chrono::milliseconds(1);
     }
@@ -40,7 +40,7 @@ class CatalogLookoutTest : public ::testing::Test {
                 continue;
             }
             std::vector<std::string> names;
-            for (const fs::path& file : *news) names.push_back(file.filename().string());
+            for (const fs::path& file : news->files) names.push_back(file.filename().string());
             if (names == wanted) return true;
         }
         return false;

@@ -1,0 +1,61 @@
+#include "server/commands/serve/catalog_url.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace scancast {
+
+namespace fs = std::filesystem;
+
+CatalogUrl::CatalogUrl(RemoteListing listing, std::shared_ptr<RemoteFiles> remote,
+                       std::function<void(const std::string&)> onNote)
+    : listing_(std::move(listing)),
+      remote_(std::move(remote)),
+      onNote_(std::move(onNote)),
+      choice_(listing_.shown(), onNote_) {}
+
+void CatalogUrl::note(const std::string& text) const {
+    if (onNote_) onNote_(text);
+}
+
+void CatalogUrl::tellOfFault(const Error& error) {
+    if (!std::exchange(isUnreadable_, true) && error.code != ErrorCode::Cancelled)
+        note(fmt::format("The clouds stay as they are, because it cannot be seen which there are: {}",
+                         error.message));
+}
+
+void CatalogUrl::take(Listed listed) {
+    std::map<std::string_view, std::string_view> before;
+    for (const ListedCloud& cloud : clouds_) before.emplace(cloud.url, cloud.state);
+    isAnew_ = std::ranges::any_of(listed.clouds, [&](const ListedCloud& cloud) {
+        const auto known = before.find(cloud.url);
+        return known != before.end() && known->second != cloud.state;
+    });
+    for (const std::string& one : listed.leftOut)
+        if (std::ranges::find(leftOut_, one) == leftOut_.end()) note("Not served: " + one);
+    leftOut_ = std::move(listed.leftOut);
+    clouds_ = std::move(listed.clouds);
+}
+
+bool CatalogUrl::look(std::size_t most) {
+    isAnew_ = false;
+    auto listed = listing_.look(*remote_);
+    if (!listed) {
+        tellOfFault(listed.error());
+        return false;
+    }
+    if (std::exchange(isUnreadable_, false))
+        note(listing_.shown() + ": it can be seen again which clouds there are.");
+    if (*listed) take(std::move(**listed));
+    std::vector<CatalogCandidate> candidates;
+    for (const ListedCloud& cloud : clouds_) candidates.push_back({cloud.url, cloud.shown, cloud.name});
+    auto files = choice_.choose(std::move(candidates), most);
+    const bool isOther = files != files_;
+    files_ = std::move(files);
+    return isOther || isAnew_;
+}
+
+}  // namespace scancast

@@ -16,8 +16,8 @@ namespace {
 
 /// Counts of MPI are ints: what is longer travels in pieces.
 constexpr std::size_t longestPiece = std::size_t(1) << 30;
-/// So long without a pause: an answer that is on its way comes at once.
-constexpr auto patience = std::chrono::microseconds(100);
+/// So long without a pause: an answer that is on its way, or the next picture of somebody who moves, comes at once.
+constexpr auto patience = std::chrono::microseconds(2000);
 constexpr auto longestPause = std::chrono::microseconds(1000);
 /// After an interruption: whoever else was interrupted is about to say so.
 constexpr auto graceOfOthers = std::chrono::milliseconds(400);
@@ -60,7 +60,7 @@ Expected<void> Communicator::wait(MPI_Request& request) const {
 }
 
 Expected<std::size_t> Communicator::waitAny(std::span<MPI_Request> requests,
-                                            std::chrono::microseconds patience) const {
+                                            std::chrono::microseconds withoutPause) const {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     std::optional<Clock::time_point> givenUp;
@@ -80,7 +80,7 @@ Expected<std::size_t> Communicator::waitAny(std::span<MPI_Request> requests,
             if (!givenUp) givenUp = now + graceOfOthers;
             if (now > *givenUp) lost_ = true;
         }
-        if (now - start < patience) {
+        if (now - start < withoutPause) {
             ::sched_yield();  // to who may share the core, and is waited for
             continue;
         }

@@ -15,8 +15,8 @@ namespace {
 
 /// Counts of MPI are ints: what is longer travels in pieces.
 constexpr std::size_t longestPiece = std::size_t(1) << 30;
-/// So long without a pause: an answer that is on its way comes at once.
-constexpr auto patience = std::chrono::microseconds(100);
+/// So long without a pause: an answer that is on its way, or the next picture of somebody who moves, comes at once.
+constexpr auto patience = std::chrono::microseconds(2000);
 constexpr auto longestPause = std::chrono::microseconds(1000);
 /// Bytes on their way come on only while MPI is asked: so long by asking again and again, giving way to who works, then with pauses.
 constexpr auto briskly = std::chrono::milliseconds(5);

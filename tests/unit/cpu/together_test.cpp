@@ -159,6 +159,18 @@ TEST_F(Together, TheScreenIsDivided) {
     }
 }
 
+TEST_F(Together, FewerRowsThanDevices) {
+    for (const std::string_view method : {"point", "paraboloid", "ewa", "pyramid"}) {
+        SCOPED_TRACE(method);
+        View low = view(method);
+        low.height = 3;
+        low.style.mirrors = false;
+        if (method == "paraboloid") low.style.parameters["smooth"] = true;
+        low.style.shading = Shading::Phong;
+        expectSame(low, 4, false);
+    }
+}
+
 /// Of so few nodes some have none.
 TEST_F(Together, WhereSomeHaveNothing) {
     for (const Method& method : methods()) {

@@ -1,5 +1,6 @@
 // scancast-import-laz [--keep-attributes] [--recover] FILE: takes a LAZ file apart (COPC included) and writes its records as the point stream
-// (renderer/cloud/import/stream/POINT_STREAM.md) to standard output. Started by Scancast, once per file.
+// (renderer/cloud/import/stream/POINT_STREAM.md) to standard output. Started by Scancast, once per file. With --chunks it opens nothing, and
+// decodes the chunks that come on its standard input, one after the other.
 #include <fcntl.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 
 #include "files/machine.hpp"
 #include "importers/in_order.hpp"
+#include "importers/laz/chunk_service.hpp"
 #include "importers/laz/laz_import.hpp"
 #include "threads/guarded.hpp"
 
@@ -44,14 +46,19 @@ int main(int argc, char** argv) {
     given(
         "--keep-attributes");  // what it knows of points besides is in their records, whether it is wanted or not
     const bool recover = given("--recover");
+    if (given("--chunks") && argc == first && isatty(STDOUT_FILENO) == 0)
+        return import_laz::serveChunks(STDIN_FILENO, STDOUT_FILENO) ? 0 : 1;
     if (argc != first + 1 || argv[first][0] == '-' || isatty(STDOUT_FILENO) != 0) {
         std::fputs(
             "scancast-import-laz [--keep-attributes] [--recover] FILE > POINTS\n"
+            "scancast-import-laz --chunks < REQUESTS > ANSWERS\n"
             "Reads a LAZ file and writes its points as Scancast's point stream, with everything that it "
             "knows of them; with "
             "--recover also those of a file that ends too early, as far as they are whole. Scancast starts "
             "it by itself:\n"
-            "  scancast serve scan.laz\n",
+            "  scancast serve scan.laz\n"
+            "With --chunks it decodes chunks that Scancast hands it, of clouds that are shown without "
+            "ingest.\n",
             stderr);
         return 2;
     }

@@ -147,7 +147,8 @@ class ResidentStore final : public SampleStore {
     /// Nodes stand in the file's own tables, the octree's and the block table's.
     std::uint64_t tableBytes() const {
         const std::uint64_t places = sizeof(StoredNode) + cloud_->file->planes().size() * sizeof(BlockPlace);
-        return cloud_->slots.size() * (places + sizeof(Node) + sizeof(BlockTable::Slot));
+        return cloud_->slots.size() * (places + sizeof(Node) + sizeof(BlockTable::Slot)) +
+               cloud_->file->ownMemory();
     }
 
     const std::shared_ptr<Cache> cache_;
@@ -370,7 +371,11 @@ void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::sh
 Cache::Loaded Cache::read(const CachedCloud& cloud, std::uint32_t node, std::shared_ptr<Block> room) const {
     auto samples = cloud.file->samples(node);
     if (!samples) return passOn(std::move(samples));
-    if (samples->size() != cloud.file->nodes()[node].node.sampleCount) {
+    if (cloud.file->isNative()) {
+        // Its index estimates; what is really there counts.
+        const std::uint64_t bytes = BlockTable::bytesFor(cloud, samples->size());
+        if (bytes != room->bytes()) room = std::make_shared<Block>(table_.meter(), bytes);
+    } else if (samples->size() != cloud.file->nodes()[node].node.sampleCount) {
         return fail(ErrorCode::Malformed,
                     "Node " + std::to_string(node) + " has another number of samples than its index says.");
     }

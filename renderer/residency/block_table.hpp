@@ -105,7 +105,9 @@ class BlockTable {
         return sizeof(Sample) + (cloud.hasBeside() ? sizeof(BesideWord) : 0);
     }
     static std::uint64_t bytesOf(const CloudBlocks& cloud, std::uint32_t node) {
-        const std::uint64_t samples = cloud.file->nodes()[node].node.sampleCount;
+        return bytesFor(cloud, cloud.file->nodes()[node].node.sampleCount);
+    }
+    static std::uint64_t bytesFor(const CloudBlocks& cloud, std::uint64_t samples) {
         return samples * bytesPerSample(cloud) + limitsBytes(samples) + blockOverhead;
     }
 

@@ -46,6 +46,7 @@ struct CloudWatchOptions {
     std::chrono::milliseconds interval{2000};
     std::shared_ptr<BlockCache> cache;
     std::shared_ptr<DamageReports> damage;  ///< may be empty: then only names are looked at
+    NativeOpening native{};                 ///< opens scans that are shown as they are
     /// Between questions whether something behind a URL is what it was; whatever is read of it tells, too.
     std::chrono::milliseconds remoteInterval{60000};
     /// What happened, for the log.

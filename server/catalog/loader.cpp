@@ -121,6 +121,9 @@ class Loader::IngestMemory {
 Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions options)
     : catalog_(catalog),
       options_(stoppedBy(stop_.get_token(), std::move(options))),
+      native_{.decoders = ChunkDecoders::create(options_.import),
+              .memory = std::min(NativeOpening().memory, options_.cache->stats().limit / 8),
+              .surfels = options_.shape.surfels},
       watch_(catalog, watchOptions()) {
     std::error_code none;
     sweepOwnedFolders(fs::temp_directory_path(none));  // of servers that were killed
@@ -430,7 +433,7 @@ Loader::Result Loader::openRemote(Job& job) {
     if (!options_.remote)
         return fail(ErrorCode::Unsupported,
                     shownArgument(job.file().native()) + ": URLs are not opened here");
-    auto opened = openRemoteCloud(*options_.remote, job.file().native());
+    auto opened = openRemoteCloud(*options_.remote, job.file().native(), native_);
     if (!opened) return passOn(std::move(opened));
     WatchedFile watched{.id = job.id, .place = job.place, .file = opened->file, .remote = opened->object};
     job.watched = watched;
@@ -488,8 +491,22 @@ Loader::Result Loader::openIn(Expected<InputFile> file, Job& job, bool kept) {
     return openCloud(std::move(*opened), options_.cache);
 }
 
+/// Without ingest. Its own file is watched, as a cloud file is.
+Loader::Result Loader::openAsItIs(const ScanInput& input, Job& job) {
+    auto shared = input.file().share();
+    if (!shared) return passOn(std::move(shared));
+    WatchedFile watched{.id = job.id, .place = job.place, .identity = shared->identity()};
+    auto opened = openNative(std::move(*shared), native_);
+    if (!opened) return passOn(std::move(opened));
+    watched.file = *opened;
+    job.watched = watched;
+    watch_.opened(std::move(watched));
+    return openCloud(std::move(*opened), options_.cache);
+}
+
 Loader::Result Loader::cloudOf(const ScanInput& input, Job& job) {
     if (isCloudFile(input.file())) return openIn(input.file().share(), job, false);
+    if (options_.native && !input.octree() && isCopcFile(input.file())) return openAsItIs(input, job);
     const std::string title = input.path().filename().string();
     const fs::path path = options_.kept ? keptPath(input, options_) : fs::path();
     if (options_.kept && !job.instead) {
@@ -619,6 +636,7 @@ CloudWatchOptions Loader::watchOptions() {
     watching.interval = options_.watchInterval;
     watching.cache = options_.cache;
     watching.damage = options_.damage;
+    watching.native = native_;
     watching.onNote = [this](const std::string& text) { note(text); };
     watching.onRefused = options_.onFailed;
     watching.onDamaged = options_.onDamaged;

@@ -25,6 +25,7 @@
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/block_cache.hpp"
+#include "server/base/native_cloud.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/catalog/cloud_watch.hpp"
 #include "server/catalog/damage_reports.hpp"
@@ -48,6 +49,7 @@ struct LoaderOptions {
     /// Keeps scans as cloud files, named by a digest of what they are made of. Empty = nothing is kept; that, and what there
     /// is no room for, goes through a file in the system's temporary folder where it does not fit into memory.
     std::shared_ptr<KeptClouds> kept;
+    bool native = false;                            ///< scans that can be shown as they are are not ingested
     std::string version;                            ///< of the program: another one builds anew
     std::shared_ptr<DamageReports> damage;          ///< of the cache's files; may be empty
     std::shared_ptr<RemoteFiles> remote{};          ///< opens cloud files behind URLs; empty = none is
@@ -158,6 +160,7 @@ class Loader {
     /// Through a file without a name.
     Result buildOnDisk(const ScanInput& input, const std::string& id);
     /// `kept`: it is a file that a scan is kept in.
+    Result openAsItIs(const ScanInput& input, Job& job);
     Result openIn(Expected<InputFile> file, Job& job, bool kept);
     /// `room`: what is reserved for it already.
     Result build(const ScanInput& input, const std::string& id, std::shared_ptr<const void> room = nullptr);
@@ -172,6 +175,7 @@ class Loader {
     Catalog& catalog_;
     std::stop_source stop_;
     const LoaderOptions options_;
+    const NativeOpening native_;
     std::mutex room_;          // held while it is decided whether a scan fits into memory
     mutable Monitor monitor_;  // guards what follows, and requests of a stop
     Jobs unsorted_, own_, remote_, forImporters_;

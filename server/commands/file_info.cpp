@@ -193,7 +193,7 @@ Expected<FileInfo> fileInfo(const fs::path& file, bool check, const ProgressSink
 
 Expected<FileInfo> remoteInfo(RemoteFiles& remote, const std::string& url, bool check,
                               const ProgressSink& progress) {
-    const auto opened = openRemoteCloud(remote, url);
+    const auto opened = openRemoteCloud(remote, url, {.look = false});
     if (!opened) return passOn(opened);
     return cloudInfo(*opened->file, check, progress);
 }

@@ -20,7 +20,7 @@ namespace {
 struct LookArguments {
     std::vector<std::string> files;
     std::string set, assumeCrs;
-    bool decide = false, verbose = false;
+    bool decide = false, native = false, verbose = false;
 };
 
 Expected<void> runLook(const LookArguments& arguments) {
@@ -35,7 +35,8 @@ Expected<void> runLook(const LookArguments& arguments) {
     if (!arguments.set.empty())
         if (const auto changes = readLookFile(arguments.set); !changes) return passOn(changes);
     const auto cloud =
-        openAny(arguments.files, {.assumeCrs = arguments.assumeCrs, .verbose = arguments.verbose});
+        openAny(arguments.files,
+                {.assumeCrs = arguments.assumeCrs, .native = arguments.native, .verbose = arguments.verbose});
     if (!cloud) return passOn(cloud);
     const bool known = (*cloud)->look && !arguments.decide;
     auto look = known ? Expected<Look>(*(*cloud)->look) : decideLook(**cloud);
@@ -69,6 +70,8 @@ void addLook(CLI::App& app, int& exitCode) {
         ->add_flag("--decide", arguments->decide,
                    "Choose the look again automatically, and store it in the cloud file")
         ->excludes(set);
+    command->add_flag("--native", arguments->native,
+                      "Look at a scan in COPC as it is, without ingest: at its upper levels");
     addAssumeCrs(*command, arguments->assumeCrs);
     command->callback([arguments, &exitCode] {
         if (auto done = runLook(*arguments); !done) {

@@ -44,12 +44,22 @@ Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const Op
     return openCloud(std::move(*file), *cache);
 }
 
+Expected<std::shared_ptr<const Cloud>> openAsItIs(const ScanInput& input, const OpenOptions& options) {
+    const auto cache = blockCache(options);
+    if (!cache) return passOn(cache);
+    auto shared = input.file().share();
+    if (!shared) return passOn(std::move(shared));
+    auto file = openNative(std::move(*shared), {.surfels = options.surfels});
+    if (!file) return passOn(std::move(file));
+    return openCloud(std::move(*file), *cache);
+}
+
 Expected<std::shared_ptr<const Cloud>> openUrl(const std::string& url, const OpenOptions& options) {
     const auto cache = blockCache(options);
     if (!cache) return passOn(cache);
     RemoteFiles remote{
         {.onNote = [](const std::string& note) { tell("{}\n", note); }, .stopsWithOwner = false}};
-    auto opened = openRemoteCloud(remote, url);
+    auto opened = openRemoteCloud(remote, url, {.surfels = options.surfels});
     if (!opened) return passOn(std::move(opened));
     return openCloud(std::move(opened->file), *cache);
 }
@@ -108,6 +118,7 @@ Expected<std::shared_ptr<const Cloud>> openAny(const std::vector<std::string>& a
                     files.front());
             return openFile(*input, options);
         }
+        if (options.native && isCopcFile(input->file())) return openAsItIs(*input, options);
     }
     BuildOptions build;
     build.title = titleOf(arguments);

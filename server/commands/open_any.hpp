@@ -14,6 +14,7 @@ struct OpenOptions {
     bool surfels = true;        ///< of scans
     std::string assumeCrs{};    ///< of scans, as written; empty = they are believed
     std::string memoryLimit{};  ///< of cloud files, like "2G"; empty = half of the machine's
+    bool native = false;        ///< scans that can be are shown as they are
     bool verbose = false;       ///< name each file of a folder that is no scan
 };
 

@@ -40,7 +40,7 @@ struct RenderArguments {
     ViewFlags view;
     int repeat = 1;
     std::string memoryLimit, gpuMemoryLimit, assumeCrs;
-    bool noSurfels = false, verbose = false;
+    bool noSurfels = false, native = false, verbose = false;
     double orbit = 0;  ///< degrees around the target between repeated frames
 };
 
@@ -173,6 +173,7 @@ Expected<void> runRender(const RenderArguments& arguments, const WordValues& wor
                                            .surfels = !arguments.noSurfels,
                                            .assumeCrs = arguments.assumeCrs,
                                            .memoryLimit = arguments.memoryLimit,
+                                           .native = arguments.native,
                                            .verbose = arguments.verbose});
     if (!cloud) return passOn(cloud);
     cloud = withLook(std::move(*cloud));
@@ -251,6 +252,9 @@ void addRender(CLI::App& app, int& exitCode) {
     command->add_flag("--no-surfels", arguments->noSurfels,
                       "Read a scan faster by not estimating the normals and radii that disc, ewa, voronoi "
                       "and shading=phong need. Cloud files stay as they are");
+    command->add_flag(
+        "--native", arguments->native,
+        "Draw a scan in COPC as it is, without ingest: only the points that the picture wants are read");
     addAssumeCrs(*command, arguments->assumeCrs);
     command->add_option("--stats", arguments->stats, "Print timings on standard output, as JSON")
         ->check(CLI::IsMember({"json"}));

@@ -220,6 +220,10 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
                  "Read scans faster by not estimating the normals and radii that disc, ewa, voronoi and "
                  "shading=phong need. Cloud files stay as they are")
         ->envname("SCANCAST_NO_SURFELS");
+    app.add_flag("--native", options.native,
+                 "Show scans in COPC as they are, without ingest: at once, and points are read as views want "
+                 "them. Those behind URLs are always shown so")
+        ->envname("SCANCAST_NATIVE");
     app.add_flag("--insecure", options.insecure,
                  "Let in everybody who can reach the address, without a token")
         ->envname("SCANCAST_INSECURE");

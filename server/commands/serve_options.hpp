@@ -38,6 +38,7 @@ struct ServeOptions {
     ImporterFlags importer;
     int importers = 2;             ///< at once
     bool noSurfels = false;        ///< scans are built without normals and radii
+    bool native = false;           ///< scans that can be are shown as they are
     std::filesystem::path config;  ///< empty = none
     bool checkConfig = false;      ///< say what holds, and serve nothing
     std::string logLevel = "info";

@@ -3,7 +3,7 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { chmodSync, copyFileSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
+import { chmodSync, copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -107,6 +107,47 @@ test('all points come out again, with credentials in the environment alone', { s
   const { code, said } = await run(['export', 's3://scans/area/town.scan', '-o', files[1]], s3.environment);
   assert.equal(code, 0, said);
   assert.ok(readFileSync(files[1]).equals(readFileSync(files[0])));
+});
+
+// ---- scans in COPC, where they lie
+
+const copc = join(process.env.SCANCAST_TEST_DATA ?? '.', 'copc/lion_takanawa.copc.laz');
+const skipCopc = skip || (existsSync(copc) ? false : `MISSING TEST DATA: ${copc}`);
+
+test('COPC is shown from where it lies as a local one is that is not ingested either', { skip: skipCopc }, async () => {
+  copyFileSync(copc, join(folder, 'web/lion.copc.laz'));
+  const file = join(folder, 'lion.png');
+  const local = await run(['render', copc, '--native', '-o', file, ...picture]);
+  assert.equal(local.code, 0, local.said);
+  assert.ok((await pictureOf(`${nginx.plain}/lion.copc.laz`)).equals(readFileSync(file)));
+  const told = await run(['info', '--json', '--check', '--quiet', `${nginx.plain}/lion.copc.laz`]);
+  assert.equal(told.code, 0, told.said);
+  const [info] = JSON.parse(told.said).files;
+  assert.equal(info.points, 341_989);
+  assert.match(info.format, /COPC/);
+  const out = await run(['export', `${nginx.plain}/lion.copc.laz`, '-o', join(folder, 'lion.las')]);
+  assert.equal(out.code, 1);
+  assert.match(out.said, /ingest it/);
+});
+
+test('COPC is served through a line that is cut and mended', { skip: skipCopc }, async () => {
+  copyFileSync(copc, join(folder, 'web/lion.copc.laz'));
+  const far = await served([`http://127.0.0.1:${line.port}/lion.copc.laz`]);
+  let stream;
+  try {
+    await comesTrue(() => fetch(new URL('readyz', far.url)).then((got) => got.ok), 'the server is ready');
+    line.cut();
+    stream = new Stream(far.url, {});
+    await comesTrue(() => stream.frames(0).length > 1, 'frames');
+    line.mend();
+    await stream.final(0);
+    assert.ok(!stream.frames(0).some((frame) => frame.damaged));
+    assert.deepEqual(stream.messages.filter(({ type }) => ['problem', 'failed', 'bye'].includes(type)), []);
+  } finally {
+    stream?.close();
+    line.mend();
+    await far.server.stop();
+  }
 });
 
 // ---- served, through a line with latency

@@ -1,22 +1,14 @@
 // Guests' tokens, as anybody who can connect may send them, and the JSON that brings a link's.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 
 #include "protocol/guests/guest.hpp"
 #include "server/access/guest_keys.hpp"
 #include "server/access/guest_token.hpp"
+#include "tests/fuzz/require.hpp"
 
 using namespace scancast;
-
-namespace {
-
-void require(bool holds) {
-    if (!holds) std::abort();
-}
-
-}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const std::string key = "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo";

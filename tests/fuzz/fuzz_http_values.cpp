@@ -1,7 +1,6 @@
 // What an HTTP client may write into a target or a header. Nothing may crash, and what is let in must be what
 // the rules say: a Host that a loopback server answers to is a loopback name, however it is spelled.
 #include <algorithm>
-#include <cstdlib>
 
 #include "server/net/api/http_message.hpp"
 #include "server/net/api/negotiate.hpp"
@@ -13,12 +12,9 @@
 #include "server/net/origin_check.hpp"
 #include "server/net/page/error_page.hpp"
 #include "server/net/page/page.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
-
-void require(bool condition) {
-    if (!condition) std::abort();
-}
 
 bool isControl(char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;

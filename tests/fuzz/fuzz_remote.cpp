@@ -1,48 +1,16 @@
-// What is read of object storage and of a shared folder: URLs, heads and errors of answers, pieces on disk; which clouds there are, by
-// pages of a bucket's objects and lists at web servers. Nothing may crash; what is believed must be whole, and what was asked for; what is
-// shown of a URL must not have its query, and a word of a list must lead to where that may name something.
-#include <cstdlib>
+// What is read of object storage and of a shared folder: URLs, heads and errors of answers, pieces on disk. Nothing may crash; what
+// is believed must be what was asked for, and what is shown of a URL must not have its query.
 #include <string>
 
 #include "remote/access.hpp"
 #include "remote/answers.hpp"
-#include "remote/cloud_list.hpp"
-#include "remote/object_list.hpp"
 #include "remote/piece_folder.hpp"
-
-namespace {
-
-void require(bool condition) {
-    if (!condition) std::abort();
-}
-
-void readLists(const std::string& text) {
-    using namespace scancast;
-    if (const auto page = parseObjectPage(text)) {
-        require(text.find("</ListBucketResult") != text.npos || text.find("/>") != text.npos);
-        require(page->objects.size() <= 1000);
-        for (const ListedObject& object : page->objects) require(!object.key.empty());
-    }
-    const auto encrypted = *RemoteUrl::parse("https://x.org/area/list.txt?secret"),
-               inS3 = *RemoteUrl::parse("s3://bucket/area/list");
-    auto words = parseCloudList(text).value_or(std::vector<std::string>());
-    words.push_back(text);
-    for (const std::string& word : words) {
-        if (const auto url = urlIn(encrypted, word)) {
-            require(url->scheme() == RemoteUrl::Scheme::Https);
-            require(url->whole().find_first_of("\r\n ") == std::string::npos);
-        }
-        if (const auto url = urlIn(inS3, word)) require(url->scheme() != RemoteUrl::Scheme::Http);
-    }
-}
-
-}  // namespace
+#include "tests/fuzz/require.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;
     const std::string text(reinterpret_cast<const char*>(data), size);
 
-    readLists(text);
     (void)shownArgument(text);
     if (const auto url = RemoteUrl::parse(text)) {
         require(isRemoteUrl(text) && !url->name().empty() && url->name().find('/') == std::string::npos);

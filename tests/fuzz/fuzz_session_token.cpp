@@ -1,21 +1,13 @@
 // Sessions' tokens, as any hello may bring them.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 
 #include "server/stream/resume_store.hpp"
 #include "server/stream/session_token.hpp"
+#include "tests/fuzz/require.hpp"
 
 using namespace scancast;
-
-namespace {
-
-void require(bool holds) {
-    if (!holds) std::abort();
-}
-
-}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const std::string key = "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo";

@@ -37,7 +37,7 @@ for number in "$minutes" "$jobs"; do
     [[ $number =~ ^[1-9][0-9]*$ ]] || { echo "$0: $number is no whole number above 0" >&2; exit 2; }
 done
 if [ ${#targets[@]} = 0 ]; then
-    while read -r source; do targets+=("$(basename "$source" .cpp)"); done < <(ls "$root"/tests/fuzz/fuzz_*.cpp)
+    while read -r source; do targets+=("$(basename "$source" .cpp)"); done < <(find "$root/tests/fuzz" -name "fuzz_*.cpp" | sort)
 fi
 for suffix in "" -22 -21 -20 -19 -18 -17 -16 none; do
     version=$(clang++$suffix -dumpversion 2>/dev/null) && [ "${version%%.*}" -ge 16 ] && break

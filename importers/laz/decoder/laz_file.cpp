@@ -118,6 +118,23 @@ Expected<LazFile> LazFile::open(std::shared_ptr<const RandomAccess> bytes, bool 
     return file;
 }
 
+Expected<LazFile> LazFile::ofChunk(std::shared_ptr<const RandomAccess> bytes, int pointFormat,
+                                   std::uint32_t recordBytes, std::uint64_t points,
+                                   std::span<const std::byte> laszip) {
+    if (pointFormat < 0 || pointFormat > 10 || recordBytes < leastRecordBytes(pointFormat))
+        return fail(ErrorCode::Malformed, "its records are too short for their point format");
+    auto parsed = parseLaszipRecord(laszip, pointFormat, recordBytes);
+    if (!parsed) return passOn(parsed);
+    LazFile file;
+    file.shape_.pointFormat = pointFormat;
+    file.shape_.recordBytes = recordBytes;
+    file.shape_.points = points;
+    file.laszip_ = std::move(*parsed);
+    file.chunks_ = {Chunk{0, bytes->size(), 0, points, 0, true}};
+    file.bytes_ = std::move(bytes);
+    return file;
+}
+
 namespace {
 
 /// Points from the chunk's start on that decode without looking behind the end: first by many, then one by one.

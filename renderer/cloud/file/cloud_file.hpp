@@ -37,6 +37,11 @@ class CloudFile {
     virtual std::uint64_t bytes() const = 0;  ///< size on disk
     /// Its blocks come over a network: waiting for many is as quick as for one.
     virtual bool isRemote() const { return false; }
+    /// It is a scan that is shown as it is, in its own octree (renderer/cloud/copc): sampleCount and points of its nodes are
+    /// estimates, and samples() says how many there are.
+    virtual bool isNative() const { return false; }
+    /// Bytes that it takes itself beside its nodes, for as long as it is open.
+    virtual std::uint64_t ownMemory() const { return 0; }
     /// No block can be had at present but those that have been: what they come from is out of reach.
     virtual bool isAway() const { return false; }
     /// Their photos' data may be read for as long as anybody has them, whatever becomes of this object.

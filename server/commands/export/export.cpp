@@ -92,6 +92,12 @@ Expected<ExportReport> exportInput(const ExportArguments& arguments, const Expor
         RemoteFiles remote{RemoteOptions()};
         const std::stop_callback whenStopped(stop, [&] { remote.stop(); });
         auto opened = openRemoteCloud(remote, arguments.input);
+        if (opened && opened->file->isNative())
+            return fail(ErrorCode::Unsupported,
+                        shownArgument(arguments.input) +
+                            " is a scan and no cloud file, and its points are not exported over the network: "
+                            "download it, or ingest it, and "
+                            "export that.");
         auto report = opened ? exportCloud(opened->file, options, progress, stop) : passOn(std::move(opened));
         if (!report && stop.stop_requested())
             return fail(ErrorCode::Cancelled, "The export was interrupted.");

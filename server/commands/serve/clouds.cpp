@@ -31,6 +31,7 @@ LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageR
     loading.onChanged = [&server] { server.cloudsChanged(); };
     loading.kept = options.server.kept;
     loading.shape.surfels = !options.noSurfels;
+    loading.native = options.native;
     loading.version = std::string(scancastVersion());
     loading.onNote = [&bar](const std::string& note) {
         bar.clear();

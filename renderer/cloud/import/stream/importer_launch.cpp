@@ -77,9 +77,12 @@ struct SpawnArguments {
 
 /// Spawning shares the parent's memory until exec: forking a server that holds gigabytes would copy its page
 /// tables and stall rendering.
-Expected<pid_t> spawn(std::vector<std::string> arguments, int scan, int output, int errors) {
+Expected<pid_t> spawn(std::vector<std::string> arguments, int scan, int input, int output, int errors) {
     SpawnArguments spawn;
-    ::posix_spawn_file_actions_addopen(&spawn.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (input >= 0)
+        ::posix_spawn_file_actions_adddup2(&spawn.actions, input, STDIN_FILENO);
+    else
+        ::posix_spawn_file_actions_addopen(&spawn.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     ::posix_spawn_file_actions_adddup2(&spawn.actions, output, STDOUT_FILENO);
     ::posix_spawn_file_actions_adddup2(&spawn.actions, errors, STDERR_FILENO);
     // After the others: until here, one of the pipes may have this number.
@@ -172,11 +175,19 @@ Expected<fs::path> findIn(const std::vector<fs::path>& folders, const std::strin
 
 }  // namespace
 
-Expected<LaunchedProgram> launch(std::vector<std::string> arguments, int scan) {
+Expected<LaunchedProgram> launch(std::vector<std::string> arguments, int scan, ProgramInput given) {
     auto output = makePipe();
     if (!output) return passOn(output);
     auto errors = makePipe();
     if (!errors) return passOn(errors);
+    Pipe input;
+    if (given == ProgramInput::Pipe) {
+        auto made = makePipe();
+        if (!made) return passOn(made);
+        input = std::move(*made);
+        ::fcntl(input.write.get(), F_SETPIPE_SZ, pipeBytes);
+        ::fcntl(input.write.get(), F_SETFL, ::fcntl(input.write.get(), F_GETFL) | O_NONBLOCK);
+    }
     ::fcntl(output->read.get(), F_SETPIPE_SZ, pipeBytes);  // fewer wake-ups; refused beyond the user's limit
     for (const auto& end : {output->read.get(), errors->read.get()})
         ::fcntl(end, F_SETFL, ::fcntl(end, F_GETFL) | O_NONBLOCK);
@@ -186,10 +197,12 @@ Expected<LaunchedProgram> launch(std::vector<std::string> arguments, int scan) {
         aside.reset(::fcntl(scan, F_DUPFD_CLOEXEC, scanDescriptor));
         if (!aside) return fail(ErrorCode::Io, "it cannot be handed on: " + systemReason(errno));
     }
-    const auto pid = Starter::instance().start(
-        [&] { return spawn(std::move(arguments), aside.get(), output->write.get(), errors->write.get()); });
+    const auto pid = Starter::instance().start([&] {
+        return spawn(std::move(arguments), aside.get(), input.read.get(), output->write.get(),
+                     errors->write.get());
+    });
     if (!pid) return passOn(pid);
-    return LaunchedProgram{*pid, std::move(output->read), std::move(errors->read)};
+    return LaunchedProgram{*pid, std::move(output->read), std::move(errors->read), std::move(input.write)};
 }
 
 Expected<std::vector<std::string>> importerCommand(const ImporterProgram& importer, const std::string& file,

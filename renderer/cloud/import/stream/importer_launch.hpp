@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -19,11 +20,16 @@ inline constexpr int scanDescriptor = 3;
 struct LaunchedProgram {
     pid_t pid = -1;
     UniqueFd output, errors;  ///< the ends to read of its standard output and error; reading does not wait
+    UniqueFd input{};  ///< the end to write of its standard input, where it has one; writing does not wait
 };
 
-/// Starts arguments[0] in a process group of its own, without anything to read on standard input, with `scan` as scanDescriptor if it is not -1, without
+/// What a program finds on its standard input.
+enum class ProgramInput : std::uint8_t { Nothing, Pipe };
+
+/// Starts arguments[0] in a process group of its own, with `scan` as scanDescriptor if it is not -1, without
 /// other descriptors and with a small environment. Errors: Io, Importer.
-Expected<LaunchedProgram> launch(std::vector<std::string> arguments, int scan);
+Expected<LaunchedProgram> launch(std::vector<std::string> arguments, int scan,
+                                 ProgramInput input = ProgramInput::Nothing);
 
 /// scancast-sandbox with what `options` allow, and then the importer with its words.
 Expected<std::vector<std::string>> importerCommand(const ImporterProgram& importer, const std::string& file,

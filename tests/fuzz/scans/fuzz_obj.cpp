@@ -1,6 +1,6 @@
 // Any bytes at all, as an OBJ in a file and on a pipe: an error or points, never a crash, never an endless loop.
 #include "renderer/cloud/import/text/obj_source.hpp"
-#include "tests/fuzz/read_source.hpp"
+#include "tests/fuzz/scans/read_source.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;

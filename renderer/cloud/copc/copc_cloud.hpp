@@ -1,0 +1,34 @@
+// A COPC file as a cloud to look at, without ingest: facts and nodes at once, points as views want them (decision 29). What it knows of
+// the scan as a whole - colours, ranges, classes, the look - is known of its upper levels, which are read when it is opened.
+// Any thread; opening waits for the reader and for decoders. Pipeline: COPC file → **native cloud** → residency.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "files/random_reader.hpp"
+#include "renderer/cloud/copc/chunk_decoders.hpp"
+#include "renderer/cloud/file/cloud_file.hpp"
+
+namespace scancast {
+
+struct NativeCloudOptions {
+    std::filesystem::path name;          ///< what path() says and messages call it
+    std::string title;                   ///< for people
+    std::string identity;                ///< of what is read, beside its bytes: part of the revision
+    bool surfels = true;                 ///< normals and radii are estimated, of each node on the way
+    std::uint64_t upperPoints = 50'000;  ///< from so many on, upper levels tell enough of the scan
+    std::uint64_t memory = 64 << 20;     ///< bytes, of points that are kept for the nodes below them
+    /// How it is seen when nobody says anything, by its upper levels; empty: it has no look.
+    std::function<std::optional<Look>(const std::shared_ptr<const Cloud>& upper)> look{};
+};
+
+/// Errors, with the file's name: Truncated, Malformed, Unsupported, Empty, Importer; ResourceLimit, with the way out; the reader's.
+Expected<std::shared_ptr<const CloudFile>> openCopc(std::unique_ptr<RandomReader> reader,
+                                                    std::shared_ptr<ChunkDecoders> decoders,
+                                                    NativeCloudOptions options);
+
+}  // namespace scancast

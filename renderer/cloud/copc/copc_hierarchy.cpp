@@ -1,0 +1,162 @@
+#include "renderer/cloud/copc/copc_hierarchy.hpp"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <unordered_set>
+
+namespace scancast {
+
+namespace {
+
+constexpr const char* wayOut = "; ingest it, and serve what comes of that";
+
+std::string nameOf(const VoxelKey& key) {
+    return fmt::format("{}-{}-{}-{}", key.level, key.at[0], key.at[1], key.at[2]);
+}
+
+struct Page {
+    std::uint64_t offset = 0, bytes = 0;
+};
+
+class Reading {
+  public:
+    Reading(const RandomReader& reader, const CopcLimits& limits)
+        : reader_(reader), fileBytes_(reader.size()), limits_(limits) {}
+
+    Expected<CopcHierarchy> run(const CopcInfo& info) {
+        // Pages of one depth are asked for together.
+        std::vector<Page> pages{{info.pageOffset, info.pageBytes}};
+        while (!pages.empty()) {
+            pagesRead_ += pages.size();
+            if (pagesRead_ > limits_.pages) return tooLarge();
+            for (const Page& page : pages) {
+                if (auto ok = check(page); !ok) return passOn(ok);
+                reader_.expect(page.offset, page.bytes);
+            }
+            next_.clear();
+            for (const Page& page : pages)
+                if (auto ok = read(page); !ok) return passOn(ok);
+            std::swap(pages, next_);
+        }
+        return sorted();
+    }
+
+  private:
+    tl::unexpected<Error> tooLarge() const {
+        return fail(ErrorCode::ResourceLimit,
+                    fmt::format("its octree has more than {} voxels or {} pages, and is not shown as it is{}",
+                                limits_.entries, limits_.pages, wayOut));
+    }
+
+    Expected<void> check(const Page& page) {
+        if (page.bytes == 0 || page.bytes % copcEntryBytes != 0 || page.offset > fileBytes_ ||
+            page.bytes > fileBytes_ - page.offset)
+            return fail(ErrorCode::Malformed,
+                        fmt::format("a page of its octree, {} bytes at byte {}, is none, or lies outside it",
+                                    page.bytes, page.offset));
+        if (!seen_.insert(page.offset).second)
+            return fail(ErrorCode::Malformed,
+                        fmt::format("the page of its octree at byte {} is named twice", page.offset));
+        entries_ += page.bytes / copcEntryBytes;
+        if (entries_ > limits_.entries) return tooLarge();
+        return {};
+    }
+
+    Expected<void> read(const Page& page) {
+        std::vector<std::byte> bytes(std::size_t(page.bytes));
+        const auto got = reader_.readAt(page.offset, bytes);
+        if (!got) return passOn(got);
+        if (*got < bytes.size())
+            return fail(ErrorCode::Truncated,
+                        fmt::format("it ends at byte {}, within a page of its octree", page.offset + *got));
+        for (std::size_t at = 0; at < bytes.size(); at += copcEntryBytes) {
+            const auto entry =
+                decodeCopcEntry(std::span<const std::byte>(bytes).subspan(at).first<copcEntryBytes>());
+            if (auto ok = take(entry, page.offset + at); !ok) return ok;
+        }
+        return {};
+    }
+
+    Expected<void> take(const CopcEntry& entry, std::uint64_t at) {
+        const char* wrong = wrongCopcEntry(entry);
+        if (!wrong && !entry.isPage() && entry.points > 0 &&
+            (entry.offset > fileBytes_ || std::uint64_t(entry.bytes) > fileBytes_ - entry.offset))
+            wrong = "its points lie outside the file";
+        if (wrong)
+            return fail(ErrorCode::Malformed,
+                        fmt::format("byte {}: voxel {} of its octree: {}", at, nameOf(entry.key), wrong));
+        if (entry.isPage()) {
+            next_.push_back({entry.offset, std::uint64_t(entry.bytes)});
+            return {};
+        }
+        if (std::uint32_t(entry.points) > limits_.points || std::uint32_t(entry.bytes) > limits_.chunkBytes)
+            return fail(ErrorCode::ResourceLimit,
+                        fmt::format("voxel {} has {} points in {} bytes, too many to be shown as they are{}",
+                                    nameOf(entry.key), entry.points, entry.bytes, wayOut));
+        voxels_.push_back({entry.key, entry.points > 0 ? entry.offset : 0,
+                           entry.points > 0 ? std::uint32_t(entry.bytes) : 0, std::uint32_t(entry.points),
+                           std::uint64_t(entry.points)});
+        return {};
+    }
+
+    Expected<CopcHierarchy> sorted() {
+        std::ranges::sort(voxels_, {}, &CopcVoxel::key);
+        CopcHierarchy all;
+        all.voxels = std::move(voxels_);
+        for (std::size_t i = 1; i < all.voxels.size(); ++i)
+            if (all.voxels[i].key == all.voxels[i - 1].key)
+                return fail(ErrorCode::Malformed,
+                            fmt::format("voxel {} is in its octree twice", nameOf(all.voxels[i].key)));
+        // From the deepest up: each is counted before its parent is.
+        for (std::size_t i = all.voxels.size(); i-- > 0;) {
+            const CopcVoxel& voxel = all.voxels[i];
+            if (voxel.below == 0 || voxel.key.level == 0) continue;
+            const std::uint32_t parent = all.find(voxel.key.parent());
+            if (parent == noVoxel)
+                return fail(ErrorCode::Malformed,
+                            fmt::format("voxel {} of its octree has no parent{}", nameOf(voxel.key), wayOut));
+            all.voxels[parent].below += voxel.below;
+        }
+        std::erase_if(all.voxels, [](const CopcVoxel& voxel) { return voxel.below == 0; });
+        if (all.voxels.empty()) return fail(ErrorCode::Empty, "it has no points");
+        all.points = all.voxels.front().below;
+        all.digest = digestOf(all);
+        return all;
+    }
+
+    static std::uint64_t digestOf(const CopcHierarchy& all) {
+        std::uint64_t digest = 0;
+        for (const CopcVoxel& voxel : all.voxels) {
+            const std::array<std::uint64_t, 4> words{
+                std::uint64_t(voxel.key.level) << 32 | std::uint32_t(voxel.key.at[0]),
+                std::uint64_t(voxel.key.at[1]) << 32 | std::uint32_t(voxel.key.at[2]), voxel.offset,
+                std::uint64_t(voxel.bytes) << 32 | voxel.points};
+            digest = XXH3_64bits_withSeed(words.data(), sizeof words, digest);
+        }
+        return digest;
+    }
+
+    const RandomReader& reader_;
+    const std::uint64_t fileBytes_;
+    const CopcLimits limits_;
+    std::uint64_t entries_ = 0, pagesRead_ = 0;
+    std::vector<CopcVoxel> voxels_;
+    std::unordered_set<std::uint64_t> seen_;  // where pages begin
+    std::vector<Page> next_;
+};
+
+}  // namespace
+
+std::uint32_t CopcHierarchy::find(const VoxelKey& key) const {
+    const auto at = std::ranges::lower_bound(voxels, key, {}, &CopcVoxel::key);
+    return at != voxels.end() && at->key == key ? std::uint32_t(at - voxels.begin()) : noVoxel;
+}
+
+Expected<CopcHierarchy> readCopcHierarchy(const RandomReader& reader, const CopcInfo& info,
+                                          const CopcLimits& limits) {
+    return Reading(reader, limits).run(info);
+}
+
+}  // namespace scancast

@@ -1,0 +1,111 @@
+#include "renderer/cloud/copc/gathered_points.hpp"
+
+#include <fmt/format.h>
+
+namespace scancast {
+
+namespace {
+
+// 320 MB while they are gathered. Of a file whose voxels are what they say, some 100,000.
+constexpr std::size_t mostGathered = 16 << 20;
+
+std::uint64_t bytesOf(const RawPoints& points) {
+    return points->size() * sizeof(RawPoint) + 128;
+}
+
+}  // namespace
+
+GatheredPoints::GatheredPoints(const AdditiveTree& tree, const CopcHierarchy& hierarchy,
+                               const AdditiveFrame& frame, std::uint64_t bytes, OwnPoints own)
+    : tree_(tree), hierarchy_(hierarchy), frame_(frame), limit_(bytes), own_(std::move(own)) {}
+
+std::vector<std::uint32_t> GatheredPoints::missingFor(std::uint32_t node) const {
+    std::vector<std::uint32_t> voxels;
+    const Monitor::Look look(monitor_);
+    for (; node != noNode && !kept_.contains(node); node = tree_.nodes[node].node.parent)
+        if (const std::uint32_t voxel = tree_.own[node].voxel;
+            voxel != noVoxel && hierarchy_.voxels[voxel].points > 0)
+            voxels.push_back(voxel);
+    return voxels;
+}
+
+Expected<RawPoints> GatheredPoints::of(std::uint32_t node) {
+    // Nobody wants a leaf's but for its samples, which are kept elsewhere.
+    if (tree_.nodes[node].node.isLeaf()) return gather(node);
+    {
+        Monitor::Lock lock(monitor_);
+        // A node waits for one above it, and never the other way round.
+        monitor_.wait(lock, [&] {
+            const auto at = kept_.find(node);
+            return at == kept_.end() || at->second.points;
+        });
+        if (const auto at = kept_.find(node); at != kept_.end()) {
+            uses_.splice(uses_.begin(), uses_, at->second.use);
+            return at->second.points;
+        }
+        kept_.emplace(node, Kept{});
+    }
+    // Whatever happens, nobody waits for ever.
+    struct Ending {
+        GatheredPoints& all;
+        std::uint32_t node;
+        ~Ending() {
+            const Monitor::Lock lock(all.monitor_);
+            if (const auto at = all.kept_.find(node); at != all.kept_.end() && !at->second.points)
+                all.kept_.erase(at);
+        }
+    } const ending{*this, node};
+    auto points = gather(node);
+    if (points) keep(node, *points);
+    return points;
+}
+
+void GatheredPoints::keep(std::uint32_t node, RawPoints points) {
+    const std::uint64_t more = bytesOf(points);
+    const Monitor::Lock lock(monitor_);
+    if (more > limit_) return;
+    uses_.push_front(node);
+    kept_[node] = {std::move(points), uses_.begin()};
+    bytes_ += more;
+    while (bytes_ > limit_) {
+        const auto last = kept_.find(uses_.back());
+        bytes_ -= bytesOf(last->second.points);
+        kept_.erase(last);
+        uses_.pop_back();
+    }
+}
+
+Expected<RawPoints> GatheredPoints::gather(std::uint32_t node) {
+    const std::uint32_t parent = tree_.nodes[node].node.parent;
+    const std::uint32_t voxel = tree_.own[node].voxel;
+    RawPoints above, own;
+    if (parent != noNode) {
+        auto got = of(parent);
+        if (!got) return got;
+        above = std::move(*got);
+    }
+    if (voxel != noVoxel && hierarchy_.voxels[voxel].points > 0) {
+        auto got = own_(voxel);
+        if (!got) return got;
+        if (!above) return got;
+        own = std::move(*got);
+    }
+    auto all = std::make_shared<std::vector<RawPoint>>();
+    if (above) {
+        all->reserve((own ? own->size() : 0) + above->size() / 4);
+        const Octants octants(frame_, tree_.own[parent].key);
+        const auto& at = tree_.own[node].key.at;
+        const int octant = (at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2;
+        for (const RawPoint& point : *above)
+            if (octants.of(point.at) == octant) all->push_back(point);
+    }
+    if (own) all->insert(all->end(), own->begin(), own->end());
+    if (all->size() > mostGathered)
+        return fail(
+            ErrorCode::ResourceLimit,
+            fmt::format("more than {} points lie in one voxel; ingest it, and serve what comes of that",
+                        mostGathered));
+    return all;
+}
+
+}  // namespace scancast

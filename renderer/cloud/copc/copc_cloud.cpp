@@ -85,7 +85,6 @@ class CopcFile final : public CloudFile {
     std::uint64_t bytes() const override { return opened_->reader->size(); }
     bool isRemote() const override { return opened_->reader->isRemote(); }
     bool isAway() const override { return opened_->reader->isAway(); }
-    bool isAway() const override { return opened_->reader->isAway(); }
     bool isNative() const override { return true; }
     std::uint64_t ownMemory() const override {
         std::uint64_t bytes = opened_->options.memory + opened_->hierarchy.voxels.size() * sizeof(CopcVoxel) +

@@ -14,7 +14,7 @@ import { comesTrue, hasNginx, startNginx, startS3 } from './support/object_stora
 
 const program = process.env.SCANCAST_PROGRAM;
 const skip = hasNginx ? false : 'nginx is missing: apt-get install nginx-light';
-const flags = ['--backend', 'cpu', '--memory-limit', '64M'];
+const flags = ['--backend', 'cpu', '--memory-limit', '64M', '--request-log', 'off'];
 
 let folder, nginx, s3, line;
 

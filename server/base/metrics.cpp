@@ -322,6 +322,21 @@ struct Metrics::Families {
     prometheus::Counter& piecesInMemory = remotePieces.Add({{"found", "memory"}});
     prometheus::Counter& piecesOnDisk = remotePieces.Add({{"found", "disk"}});
     prometheus::Counter& piecesFetched = remotePieces.Add({{"found", "nowhere"}});
+    prometheus::Counter& brokenPieces = prometheus::BuildCounter()
+                                            .Name("scancast_remote_broken_pieces_total")
+                                            .Help("Pieces in --cache-dir that were not what was saved")
+                                            .Register(registry)
+                                            .Add({});
+    prometheus::Gauge& piecesBytes = prometheus::BuildGauge()
+                                         .Name("scancast_remote_cache_bytes")
+                                         .Help("Pieces of clouds in object storage in --cache-dir")
+                                         .Register(registry)
+                                         .Add({});
+    prometheus::Gauge& piecesLimit = prometheus::BuildGauge()
+                                         .Name("scancast_remote_cache_limit_bytes")
+                                         .Help("What those may take")
+                                         .Register(registry)
+                                         .Add({});
     prometheus::Gauge& remoteAway = prometheus::BuildGauge()
                                         .Name("scancast_remote_clouds_away")
                                         .Help("Clouds in object storage that cannot be fetched now")
@@ -573,6 +588,9 @@ void Metrics::setRemote(const RemoteStats& stats) {
     raise(families_->piecesInMemory, stats.memoryHits);
     raise(families_->piecesOnDisk, stats.diskHits);
     raise(families_->piecesFetched, stats.misses);
+    raise(families_->brokenPieces, stats.brokenPieces);
+    families_->piecesBytes.Set(double(stats.folderBytes));
+    families_->piecesLimit.Set(double(stats.folderLimit));
     families_->remoteAway.Set(double(stats.away));
 }
 

@@ -57,7 +57,8 @@ int main(int argc, char** argv) {
             "--recover also those of a file that ends too early, as far as they are whole. Scancast starts "
             "it by itself:\n"
             "  scancast serve scan.laz\n"
-            "With --chunks it decodes chunks that Scancast hands it, of clouds that are shown without ingest.\n",
+            "With --chunks it decodes chunks that Scancast hands it, of clouds that are shown without "
+            "ingest.\n",
             stderr);
         return 2;
     }

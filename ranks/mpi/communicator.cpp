@@ -1,6 +1,7 @@
 #include "ranks/mpi/communicator.hpp"
 
 #include <fmt/format.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <array>
@@ -53,21 +54,36 @@ Communicator::~Communicator() {
 }
 
 Expected<void> Communicator::wait(MPI_Request& request) const {
+    if (request == MPI_REQUEST_NULL) return {};
+    auto done = waitAny(std::span(&request, 1), patience);
+    return done ? Expected<void>() : Expected<void>(passOn(done));
+}
+
+Expected<std::size_t> Communicator::waitAny(std::span<MPI_Request> requests,
+                                            std::chrono::microseconds patience) const {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     std::optional<Clock::time_point> givenUp;
     auto pause = std::chrono::microseconds(10);
     for (;;) {
         if (lost_) return fail(ErrorCode::Cancelled, "Interrupted while ranks waited for each other.");
-        int isDone = 0;
-        if (auto ok = judged(MPI_Test(&request, &isDone, MPI_STATUS_IGNORE)); !ok) return ok;
-        if (isDone) return {};
+        int isDone = 0, which = 0;
+        if (auto ok = judged(
+                MPI_Testany(int(requests.size()), requests.data(), &which, &isDone, MPI_STATUS_IGNORE));
+            !ok)
+            return passOn(ok);
+        if (isDone && which == MPI_UNDEFINED)
+            return fail(ErrorCode::Internal, "A rank waits for what nobody began.");
+        if (isDone) return std::size_t(which);
         const auto now = Clock::now();
         if (interrupted_.stop_requested()) {
             if (!givenUp) givenUp = now + graceOfOthers;
             if (now > *givenUp) lost_ = true;
         }
-        if (now - start < patience) continue;
+        if (now - start < patience) {
+            ::sched_yield();  // to who may share the core, and is waited for
+            continue;
+        }
         std::this_thread::sleep_for(pause);
         pause = std::min(pause * 2, longestPause);
     }

@@ -8,6 +8,7 @@
 #include <mpi.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -39,6 +40,8 @@ class Communicator {
     /// Errors: MPI's own, as Io; Cancelled some moments after an interruption, and from then on always: MPI may still hold the memory
     /// that was given to it, so the process is to end.
     Expected<void> wait(MPI_Request& request) const;
+    /// The same for one of some, of which at least one is under way: which it is. `patience`: so long without a pause.
+    Expected<std::size_t> waitAny(std::span<MPI_Request> requests, std::chrono::microseconds patience) const;
     /// Somebody gave up waiting.
     bool isLost() const { return lost_; }
 

@@ -147,7 +147,8 @@ class ResidentStore final : public SampleStore {
     /// Nodes stand in the file's own tables, the octree's and the block table's.
     std::uint64_t tableBytes() const {
         const std::uint64_t places = sizeof(StoredNode) + cloud_->file->planes().size() * sizeof(BlockPlace);
-        return cloud_->slots.size() * (places + sizeof(Node) + sizeof(BlockTable::Slot)) + cloud_->file->ownMemory();
+        return cloud_->slots.size() * (places + sizeof(Node) + sizeof(BlockTable::Slot)) +
+               cloud_->file->ownMemory();
     }
 
     const std::shared_ptr<Cache> cache_;

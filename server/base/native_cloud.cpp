@@ -48,8 +48,8 @@ Expected<std::shared_ptr<const CloudFile>> openNative(std::unique_ptr<RandomRead
 Expected<std::shared_ptr<const CloudFile>> openNative(InputFile file, const NativeOpening& opening) {
     const std::filesystem::path name = file.name();
     const FileIdentity identity = file.identity();
-    return openNative(readerOf(std::move(file)), name,
-                      fmt::format("{} {}", identity.bytes, identity.changed), opening);
+    return openNative(readerOf(std::move(file)), name, fmt::format("{} {}", identity.bytes, identity.changed),
+                      opening);
 }
 
 }  // namespace scancast

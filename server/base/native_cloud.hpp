@@ -29,7 +29,8 @@ bool isCopcFile(const InputFile& file);
 /// `name` is what messages call it; `identity`: which state of it this is, as its ETag. Errors: those of openCopc().
 Expected<std::shared_ptr<const CloudFile>> openNative(std::unique_ptr<RandomReader> reader,
                                                       const std::filesystem::path& name,
-                                                      const std::string& identity, const NativeOpening& opening);
+                                                      const std::string& identity,
+                                                      const NativeOpening& opening);
 
 /// The same of a file of this machine.
 Expected<std::shared_ptr<const CloudFile>> openNative(InputFile file, const NativeOpening& opening);

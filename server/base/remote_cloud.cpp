@@ -10,8 +10,10 @@ Expected<RemoteCloud> openRemoteCloud(RemoteFiles& remote, const std::string& ur
     if (!object) return passOn(std::move(object));
     if (canBeNative(**object)) {
         const ObjectState& state = (*object)->state();
-        auto scan = openNative(readerOf(*object), parsed->shown(),
-                               std::to_string(state.bytes) + " " + (state.etag.empty() ? state.lastModified : state.etag), native);
+        auto scan = openNative(
+            readerOf(*object), parsed->shown(),
+            std::to_string(state.bytes) + " " + (state.etag.empty() ? state.lastModified : state.etag),
+            native);
         if (!scan) return passOn(std::move(scan));
         return RemoteCloud{std::move(*object), std::move(*scan)};
     }
@@ -19,7 +21,8 @@ Expected<RemoteCloud> openRemoteCloud(RemoteFiles& remote, const std::string& ur
     if (!file) {
         if (file.error().code == ErrorCode::Unsupported)
             file.error().message +=
-                " Over the network cloud files are read, and scans in COPC: ingest the scan, and upload what comes of it.";
+                " Over the network cloud files are read, and scans in COPC: ingest the scan, and upload what "
+                "comes of it.";
         return passOn(std::move(file));
     }
     return RemoteCloud{std::move(*object), std::move(*file)};

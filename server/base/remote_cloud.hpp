@@ -18,6 +18,7 @@ struct RemoteCloud {
 
 /// A cloud file, or a scan that is shown as it is. Messages name it without its query. Errors: those of RemoteUrl::parse(), RemoteFiles::open(),
 /// CloudFile::open() and openNative().
-Expected<RemoteCloud> openRemoteCloud(RemoteFiles& remote, const std::string& url, const NativeOpening& native = {});
+Expected<RemoteCloud> openRemoteCloud(RemoteFiles& remote, const std::string& url,
+                                      const NativeOpening& native = {});
 
 }  // namespace scancast

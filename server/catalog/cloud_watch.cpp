@@ -234,7 +234,8 @@ void CloudWatch::lookAtRemote(Watched& one) {
 void CloudWatch::changed(Watched& one, InputFile file) {
     const FileIdentity identity = file.identity();
     if (identity == one.told) return;
-    auto opened = CloudFile::open(std::move(file));
+    const bool isScan = !one.served.kept && isCopcFile(file);
+    auto opened = isScan ? openNative(std::move(file), options_.native) : CloudFile::open(std::move(file));
     if (opened) return serveAgain(one, identity, std::move(*opened));
     // Somebody may be writing it.
     if (identity != one.pending) {

@@ -25,10 +25,10 @@
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/block_cache.hpp"
+#include "server/base/native_cloud.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/catalog/cloud_watch.hpp"
 #include "server/catalog/damage_reports.hpp"
-#include "server/base/native_cloud.hpp"
 #include "server/catalog/kept_clouds.hpp"
 #include "threads/monitor.hpp"
 

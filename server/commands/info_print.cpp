@@ -142,9 +142,9 @@ std::string usualCurvature(const CloudFacts& f) {
 void tellOctree(const FileInfo& info, Lines& lines) {
     if (!info.octree) return;
     const OctreeInfo& o = *info.octree;
-    lines.add("octree",
-              fmt::format("{} levels, {} nodes, {}{} samples ({:.2f} a point)", o.levels, grouped(o.nodes),
-                          info.writtenBy.empty() ? "about " : "", grouped(o.samples), double(o.samples) / double(*info.points)));
+    lines.add("octree", fmt::format("{} levels, {} nodes, {}{} samples ({:.2f} a point)", o.levels,
+                                    grouped(o.nodes), info.writtenBy.empty() ? "about " : "",
+                                    grouped(o.samples), double(o.samples) / double(*info.points)));
     lines.add("spacing", fmt::format("{:.3g} between neighbouring points", info.facts.spacing));
     if (info.facts.exact)
         lines.add("exact", "what samples round is kept beside them; \"scancast export\" gives it back");
@@ -356,7 +356,8 @@ std::string infoText(const FileInfo& info) {
     Lines lines;
     lines.text_ = info.file.string() + "\n";
     if (info.octree) {
-        lines.add("what", info.writtenBy.empty() ? "scan that is shown as it is" : "cloud file by " + info.writtenBy);
+        lines.add("what",
+                  info.writtenBy.empty() ? "scan that is shown as it is" : "cloud file by " + info.writtenBy);
         lines.add("title", info.facts.title);
         if (!info.facts.attribution.empty()) lines.add("attribution", info.facts.attribution);
         if (!info.facts.recorded.empty()) lines.add("recorded", info.facts.recorded);

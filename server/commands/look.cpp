@@ -35,7 +35,8 @@ Expected<void> runLook(const LookArguments& arguments) {
     if (!arguments.set.empty())
         if (const auto changes = readLookFile(arguments.set); !changes) return passOn(changes);
     const auto cloud =
-        openAny(arguments.files, {.assumeCrs = arguments.assumeCrs, .native = arguments.native, .verbose = arguments.verbose});
+        openAny(arguments.files,
+                {.assumeCrs = arguments.assumeCrs, .native = arguments.native, .verbose = arguments.verbose});
     if (!cloud) return passOn(cloud);
     const bool known = (*cloud)->look && !arguments.decide;
     auto look = known ? Expected<Look>(*(*cloud)->look) : decideLook(**cloud);

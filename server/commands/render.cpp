@@ -252,8 +252,9 @@ void addRender(CLI::App& app, int& exitCode) {
     command->add_flag("--no-surfels", arguments->noSurfels,
                       "Read a scan faster by not estimating the normals and radii that disc, ewa, voronoi "
                       "and shading=phong need. Cloud files stay as they are");
-    command->add_flag("--native", arguments->native,
-                      "Draw a scan in COPC as it is, without ingest: only the points that the picture wants are read");
+    command->add_flag(
+        "--native", arguments->native,
+        "Draw a scan in COPC as it is, without ingest: only the points that the picture wants are read");
     addAssumeCrs(*command, arguments->assumeCrs);
     command->add_option("--stats", arguments->stats, "Print timings on standard output, as JSON")
         ->check(CLI::IsMember({"json"}));

@@ -233,7 +233,7 @@ test('COPC is shown from where it lies as a local one is that is not ingested ei
   const local = await run(['render', copc, '--native', '-o', file, ...picture]);
   assert.equal(local.code, 0, local.said);
   assert.ok((await pictureOf(`${nginx.plain}/lion.copc.laz`)).equals(readFileSync(file)));
-  const told = await run(['info', '--json', '--check', `${nginx.plain}/lion.copc.laz`]);
+  const told = await run(['info', '--json', '--check', '--quiet', `${nginx.plain}/lion.copc.laz`]);
   assert.equal(told.code, 0, told.said);
   const [info] = JSON.parse(told.said).files;
   assert.equal(info.points, 341_989);

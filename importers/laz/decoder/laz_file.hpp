@@ -21,8 +21,9 @@ class LazFile {
 
     /// One chunk, of `points` points, that somebody else took out of a file whose records are like that: `bytes` hold it and nothing else.
     /// `laszip`: the content of that file's record "laszip encoded". Errors: Malformed, Unsupported, ResourceLimit.
-    static Expected<LazFile> ofChunk(std::shared_ptr<const RandomAccess> bytes, int pointFormat, std::uint32_t recordBytes,
-                                     std::uint64_t points, std::span<const std::byte> laszip);
+    static Expected<LazFile> ofChunk(std::shared_ptr<const RandomAccess> bytes, int pointFormat,
+                                     std::uint32_t recordBytes, std::uint64_t points,
+                                     std::span<const std::byte> laszip);
 
     /// Decodes points whose chunks nobody wrote down, and leaves away those whose bytes are not there. Returns how many of all points are left,
     /// at least one. Errors: Truncated, Io.

@@ -97,8 +97,8 @@ class Planting {
         node.level = std::uint8_t(key.level);
         node.sampleCount =
             std::uint32_t(std::clamp(std::ceil(samples), 1.0, double(std::numeric_limits<int>::max())));
-        node.points = std::max<std::uint64_t>(
-            node.sampleCount, voxel == noVoxel ? 0 : hierarchy_.voxels[voxel].below);
+        node.points =
+            std::max<std::uint64_t>(node.sampleCount, voxel == noVoxel ? 0 : hierarchy_.voxels[voxel].below);
         space(key, voxel, node);
         tree_.nodes.push_back(stored);
         tree_.own.push_back(own);
@@ -120,8 +120,7 @@ class Planting {
             const std::int64_t range = std::max<std::int64_t>(1, end - lattice.low[at]);
             while ((range >> lattice.shift[at]) + 1 > mostInSample) ++lattice.shift[at];
             node.step[a] = std::ldexp(step, lattice.shift[at]);
-            node.boxMin[a] =
-                frame_.grid.origin[a] + step * double(lattice.low[at]) - frame_.origin[a];
+            node.boxMin[a] = frame_.grid.origin[a] + step * double(lattice.low[at]) - frame_.origin[a];
             node.boxMax[a] = node.boxMin[a] + step * double(range);
         }
         node.center = 0.5 * (node.boxMin + node.boxMax);
@@ -135,8 +134,8 @@ class Planting {
         double closing = std::ldexp(frame_.spacing.closing, -key.level);
         if (node.parent != noNode) {
             const Node& parent = tree_.nodes[node.parent].node;
-            const bool isLast = voxel == noVoxel || hierarchy_.voxels[voxel].below ==
-                                                        hierarchy_.voxels[voxel].points;
+            const bool isLast =
+                voxel == noVoxel || hierarchy_.voxels[voxel].below == hierarchy_.voxels[voxel].points;
             if (voxel == noVoxel) {
                 mean = parent.meanSpacing, closing = parent.spacing;
             } else if (isLast) {

@@ -40,9 +40,9 @@ struct RootSpacing {
 };
 
 struct AdditiveFrame {
-    CopcInfo info;     ///< the cube
-    StepGrid grid;     ///< of the points
-    glm::dvec3 origin;  ///< the cloud's
+    CopcInfo info;                     ///< the cube
+    StepGrid grid;                     ///< of the points
+    glm::dvec3 origin;                 ///< the cloud's
     std::array<glm::dvec3, 2> bounds;  ///< of all points, file coordinates, as the file has them
     RootSpacing spacing;
 };

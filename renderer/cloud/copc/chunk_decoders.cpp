@@ -119,8 +119,8 @@ class ProgramPool final : public ChunkDecoders {
             chunk.size() > mostChunkBytes || shape.laszip.size() > longestLaszip)
             return fail(ErrorCode::ResourceLimit,
                         fmt::format("a chunk of {} points in {} bytes is too large", points, chunk.size()));
-        const RequestHead head{shape.pointFormat, shape.recordBytes, std::uint32_t(shape.laszip.size()), points,
-                               chunk.size()};
+        const RequestHead head{shape.pointFormat, shape.recordBytes, std::uint32_t(shape.laszip.size()),
+                               points, chunk.size()};
         // A program that another chunk made ill, or that has used up its time, is not this one's fault.
         auto records = askOnce(head, shape.laszip, chunk);
         if (!records && records.error().code == ErrorCode::Importer)

@@ -43,8 +43,9 @@ class Chunks {
             const auto got = reader_.readAt(voxel.offset, chunk);
             if (!got) return passOn(got);
             if (*got < chunk.size())
-                return fail(ErrorCode::Truncated, fmt::format("it ends at byte {}, within the points of a voxel",
-                                                              voxel.offset + *got));
+                return fail(
+                    ErrorCode::Truncated,
+                    fmt::format("it ends at byte {}, within the points of a voxel", voxel.offset + *got));
             auto records = decoders_.decode(shape_, voxel.points, chunk);
             if (records || tries == 1 || !reader_.forget(voxel.offset, voxel.bytes)) return records;
         }
@@ -137,8 +138,8 @@ class CopcFile final : public CloudFile {
 
     tl::unexpected<Error> named(std::uint32_t node, const Error& error) const {
         const VoxelKey& key = opened_->tree.own[node].key;
-        return fail(error.code, fmt::format("{}, voxel {}-{}-{}-{}: {}", path().string(), key.level, key.at[0],
-                                            key.at[1], key.at[2], error.message));
+        return fail(error.code, fmt::format("{}, voxel {}-{}-{}-{}: {}", path().string(), key.level,
+                                            key.at[0], key.at[1], key.at[2], error.message));
     }
 
     const std::unique_ptr<Opened> opened_;
@@ -172,12 +173,16 @@ class Opening {
         head->las.hasSeenAll();
         opened_->depth = depthOf(*records);
         if (auto ok = keepUpper(*records); !ok) return passOn(ok);
-        opened_->frame = {head->info, opened_->las.grid(), {}, opened_->las.bounds,
+        opened_->frame = {head->info,
+                          opened_->las.grid(),
+                          {},
+                          opened_->las.bounds,
                           rootSpacing(rootOf(*records), head->las, head->info)};
         LasReader las = std::move(head->las);
         las.setPoints(opened_->hierarchy.points);
         const ScanHeader scan = las.header();
-        const auto upper = upperCloud(std::move(las), std::move(*records), opened_->options.title, opened_->options.surfels);
+        const auto upper =
+            upperCloud(std::move(las), std::move(*records), opened_->options.title, opened_->options.surfels);
         if (!upper) return passOn(upper);
         opened_->frame.origin = (*upper)->origin;
         auto tree = additiveTree(opened_->hierarchy, opened_->frame);
@@ -185,7 +190,8 @@ class Opening {
         opened_->tree = std::move(*tree);
         // A cube that is elsewhere than the points would damage every block.
         if (!opened_->upper.empty() && opened_->upper.front())
-            if (const auto root = samplesOf(*opened_->upper.front(), opened_->tree.own.front().lattice); !root)
+            if (const auto root = samplesOf(*opened_->upper.front(), opened_->tree.own.front().lattice);
+                !root)
                 return passOn(root);
         fillFacts(*upper, scan, head->digest);
         return std::make_shared<const CopcFile>(std::move(opened_));
@@ -194,7 +200,7 @@ class Opening {
   private:
     /// Fetched all at once, and decoded by as many as there are.
     Expected<std::vector<Bytes>> upperRecords() {
-        voxels_ = upperVoxels(opened_->hierarchy);
+        voxels_ = upperVoxels(opened_->hierarchy, opened_->options.upperPoints);
         const Chunks chunks(*opened_->reader, *opened_->decoders, opened_->shape, opened_->hierarchy);
         for (const std::uint32_t voxel : voxels_) chunks.expect(voxel);
         std::vector<Expected<Bytes>> got(voxels_.size());
@@ -258,10 +264,10 @@ class Opening {
         facts.sides.reset();
         facts.companions.clear();
         if (seen < hierarchy.points)
-            facts.notes.push_back(
-                fmt::format("it is shown as it is, without ingest: ranges, classes and colours are those of {} points "
-                            "of its upper levels",
-                            grouped(seen)));
+            facts.notes.push_back(fmt::format(
+                "it is shown as it is, without ingest: ranges, classes and colours are those of {} points "
+                "of its upper levels",
+                grouped(seen)));
         std::string all = fmt::format("{}\n{:016x} {:016x} {}\n{}", upper->revision, digest, hierarchy.digest,
                                       opened_->options.surfels, opened_->options.identity);
         const XXH128_hash_t revision = XXH3_128bits(all.data(), all.size());

@@ -16,11 +16,12 @@
 namespace scancast {
 
 struct NativeCloudOptions {
-    std::filesystem::path name;         ///< what path() says and messages call it
-    std::string title;                  ///< for people
-    std::string identity;               ///< of what is read, beside its bytes: part of the revision
-    bool surfels = true;  ///< normals and radii are estimated, of each node on the way
-    std::uint64_t memory = 64 << 20;    ///< bytes, of points that are kept for the nodes below them
+    std::filesystem::path name;          ///< what path() says and messages call it
+    std::string title;                   ///< for people
+    std::string identity;                ///< of what is read, beside its bytes: part of the revision
+    bool surfels = true;                 ///< normals and radii are estimated, of each node on the way
+    std::uint64_t upperPoints = 50'000;  ///< from so many on, upper levels tell enough of the scan
+    std::uint64_t memory = 64 << 20;     ///< bytes, of points that are kept for the nodes below them
     /// How it is seen when nobody says anything, by its upper levels; empty: it has no look.
     std::function<std::optional<Look>(const std::shared_ptr<const Cloud>& upper)> look{};
 };

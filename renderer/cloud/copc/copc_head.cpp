@@ -87,8 +87,7 @@ Expected<CopcHead> readCopcHead(const RandomReader& reader) {
     if (auto ok = readAll(reader, copcStartBytes, std::span(bytes).subspan(copcStartBytes)); !ok)
         return passOn(ok);
     const auto vlrs = std::span<const std::byte>(bytes).subspan(header.headerBytes);
-    ChunkShape shape{std::uint32_t(header.pointFormat), header.recordBytes,
-                     laszipRecord(vlrs, header.vlrs)};
+    ChunkShape shape{std::uint32_t(header.pointFormat), header.recordBytes, laszipRecord(vlrs, header.vlrs)};
     if (shape.laszip.empty())
         return fail(ErrorCode::Malformed, "it has no LASzip record (user \"laszip encoded\", number 22204)");
     las->takeVlrs(vlrs);

@@ -69,8 +69,8 @@ class Reading {
         const auto got = reader_.readAt(page.offset, bytes);
         if (!got) return passOn(got);
         if (*got < bytes.size())
-            return fail(ErrorCode::Truncated, fmt::format("it ends at byte {}, within a page of its octree",
-                                                          page.offset + *got));
+            return fail(ErrorCode::Truncated,
+                        fmt::format("it ends at byte {}, within a page of its octree", page.offset + *got));
         for (std::size_t at = 0; at < bytes.size(); at += copcEntryBytes) {
             const auto entry =
                 decodeCopcEntry(std::span<const std::byte>(bytes).subspan(at).first<copcEntryBytes>());
@@ -115,9 +115,8 @@ class Reading {
             if (voxel.below == 0 || voxel.key.level == 0) continue;
             const std::uint32_t parent = all.find(voxel.key.parent());
             if (parent == noVoxel)
-                return fail(
-                    ErrorCode::Malformed,
-                    fmt::format("voxel {} of its octree has no parent{}", nameOf(voxel.key), wayOut));
+                return fail(ErrorCode::Malformed,
+                            fmt::format("voxel {} of its octree has no parent{}", nameOf(voxel.key), wayOut));
             all.voxels[parent].below += voxel.below;
         }
         std::erase_if(all.voxels, [](const CopcVoxel& voxel) { return voxel.below == 0; });

@@ -31,7 +31,8 @@ Expected<CopcInfo> parseCopcInfo(std::span<const std::byte> start) {
         return fail(ErrorCode::Truncated, "it ends within the record that says that it is COPC");
     const std::byte* const at = start.data() + atInfo;
     if (loadLe<std::uint16_t>(start.data() + atHead + 20) != infoBytes)
-        return fail(ErrorCode::Malformed, "byte 395: the record that says that it is COPC has another length");
+        return fail(ErrorCode::Malformed,
+                    "byte 395: the record that says that it is COPC has another length");
     CopcInfo info;
     info.center = loadPoint(at);
     info.halfSize = loadLe<double>(at + 24);

@@ -19,8 +19,8 @@ inline constexpr std::size_t copcStartBytes = 589;
 inline constexpr std::size_t copcEntryBytes = 32;
 
 struct CopcInfo {
-    glm::dvec3 center{0};  ///< of the root's cube, file coordinates
-    double halfSize = 0;   ///< of its side; > 0
+    glm::dvec3 center{0};                         ///< of the root's cube, file coordinates
+    double halfSize = 0;                          ///< of its side; > 0
     std::uint64_t pageOffset = 0, pageBytes = 0;  ///< the hierarchy's root page, from the start of the file
 };
 

@@ -101,9 +101,10 @@ Expected<RawPoints> GatheredPoints::gather(std::uint32_t node) {
     }
     if (own) all->insert(all->end(), own->begin(), own->end());
     if (all->size() > mostGathered)
-        return fail(ErrorCode::ResourceLimit,
-                    fmt::format("more than {} points lie in one voxel; ingest it, and serve what comes of that",
-                                mostGathered));
+        return fail(
+            ErrorCode::ResourceLimit,
+            fmt::format("more than {} points lie in one voxel; ingest it, and serve what comes of that",
+                        mostGathered));
     return all;
 }
 

@@ -53,8 +53,8 @@ Expected<std::vector<Sample>> samplesOf(std::span<const RawPoint> points, const 
             at[a] = std::uint16_t(sample);
         }
         keyed.push_back({mortonKey(at[0], at[1], at[2]),
-                         {at[0], at[1], at[2], point.intensity, point.color[0], point.color[1], point.color[2],
-                          point.classification, noNormal, 0, 0}});
+                         {at[0], at[1], at[2], point.intensity, point.color[0], point.color[1],
+                          point.color[2], point.classification, noNormal, 0, 0}});
     }
     std::ranges::sort(keyed, [](const Keyed& a, const Keyed& b) {
         if (a.key != b.key) return a.key < b.key;

@@ -11,7 +11,7 @@ namespace scancast {
 
 namespace {
 
-constexpr std::uint64_t enoughPoints = 50'000, mostPoints = 200'000;
+constexpr std::uint64_t mostPoints = 200'000;
 // Where nobody can measure it: the usual root of COPC has 128 points along a side.
 constexpr double usualPointsPerSide = 128;
 
@@ -31,8 +31,9 @@ class RecordsSource final : public PointSource {
         batch.clear();
         if (next_ == records_.size()) return false;
         const std::size_t most = batchPoints * las_.las().recordBytes;
-        const auto piece = std::span<const std::byte>(records_[next_]).subspan(at_).first(
-            std::min(most, records_[next_].size() - at_));
+        const auto piece = std::span<const std::byte>(records_[next_])
+                               .subspan(at_)
+                               .first(std::min(most, records_[next_].size() - at_));
         at_ += piece.size();
         if (auto ok = las_.decode(piece, batch); !ok) return passOn(ok);
         batch.nearInfrared.clear();
@@ -50,11 +51,11 @@ class RecordsSource final : public PointSource {
 
 }  // namespace
 
-std::vector<std::uint32_t> upperVoxels(const CopcHierarchy& hierarchy) {
+std::vector<std::uint32_t> upperVoxels(const CopcHierarchy& hierarchy, std::uint64_t enough) {
     std::vector<std::uint32_t> upper;
     std::uint64_t points = 0;
     // Voxels stand by level.
-    for (std::uint32_t first = 0; first < hierarchy.voxels.size() && points < enoughPoints;) {
+    for (std::uint32_t first = 0; first < hierarchy.voxels.size() && points < enough;) {
         std::uint32_t end = first;
         std::uint64_t more = 0;
         for (; end < hierarchy.voxels.size() &&
@@ -62,8 +63,11 @@ std::vector<std::uint32_t> upperVoxels(const CopcHierarchy& hierarchy) {
              ++end)
             more += hierarchy.voxels[end].points;
         if (points > 0 && points + more > mostPoints) break;
+        // Where the levels above are empty, some voxels of the first that has points stand for all.
+        const std::uint64_t every = more / mostPoints + 1;
+        std::uint64_t met = 0;
         for (std::uint32_t voxel = first; voxel < end; ++voxel)
-            if (hierarchy.voxels[voxel].points > 0) upper.push_back(voxel);
+            if (hierarchy.voxels[voxel].points > 0 && met++ % every == 0) upper.push_back(voxel);
         points += more;
         first = end;
     }
@@ -87,7 +91,8 @@ RootSpacing rootSpacing(std::span<const std::byte> records, const LasReader& las
     if (!points || points->empty()) return {usual, usual};
     // In Morton order of a lattice over the cube, which is as fine as samples are.
     const StepGrid grid = las.las().grid();
-    AdditiveFrame frame{info, grid, info.center, {info.center - info.halfSize, info.center + info.halfSize}, {}};
+    AdditiveFrame frame{
+        info, grid, info.center, {info.center - info.halfSize, info.center + info.halfSize}, {}};
     CopcHierarchy alone;
     CopcVoxel& root = alone.voxels.emplace_back();
     root.points = std::uint32_t(points->size());

@@ -13,8 +13,9 @@
 
 namespace scancast {
 
-/// Voxels from the root down, whole levels, until they have some 100,000 points.
-std::vector<std::uint32_t> upperVoxels(const CopcHierarchy& hierarchy);
+/// Voxels from the root down, whole levels, until they have `enough` points or the next level has too many. Of one voxel as many points as it has, otherwise
+/// not many more than 200,000.
+std::vector<std::uint32_t> upperVoxels(const CopcHierarchy& hierarchy, std::uint64_t enough);
 
 /// `records`: of each voxel's chunk. `las` has to have seen all of them. Errors: as of buildCloud().
 Expected<std::shared_ptr<const Cloud>> upperCloud(LasReader las, std::vector<std::vector<std::byte>> records,

@@ -95,7 +95,8 @@ Expected<ExportReport> exportInput(const ExportArguments& arguments, const Expor
         if (opened && opened->file->isNative())
             return fail(ErrorCode::Unsupported,
                         shownArgument(arguments.input) +
-                            " is a scan and no cloud file, and its points are not exported over the network: download it, or ingest it, and "
+                            " is a scan and no cloud file, and its points are not exported over the network: "
+                            "download it, or ingest it, and "
                             "export that.");
         auto report = opened ? exportCloud(opened->file, options, progress, stop) : passOn(std::move(opened));
         if (!report && stop.stop_requested())

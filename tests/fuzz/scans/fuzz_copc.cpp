@@ -25,8 +25,9 @@ void readMessages(std::span<const std::byte> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto bytes = std::as_bytes(std::span(data, size));
     readMessages(bytes);
-    const auto file = openCopc(readerOf(bytes), std::make_shared<test::RawChunks>(),
-                               {.name = "it", .title = "it", .identity = {}, .surfels = false});
+    const auto file =
+        openCopc(readerOf(bytes), std::make_shared<test::RawChunks>(),
+                 {.name = "it", .title = "it", .identity = {}, .surfels = false, .upperPoints = 2});
     if (!file) {
         if (file.error().message.empty()) std::abort();
         return 0;

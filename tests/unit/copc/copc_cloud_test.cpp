@@ -5,6 +5,7 @@
 #include "importers/laz/chunk_service.hpp"
 #include "importers/laz/decoder/laz_file.hpp"
 #include "renderer/cloud/copc/copc_hierarchy.hpp"
+#include "renderer/cloud/copc/upper_levels.hpp"
 #include "renderer/cloud/import/las/las_decode.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "tests/support/sized.hpp"
@@ -21,7 +22,12 @@ using File = Expected<std::shared_ptr<const CloudFile>>;
 
 File openBytes(std::span<const std::byte> bytes, std::uint64_t memory = 64 << 20, bool surfels = false) {
     return openCopc(readerOf(bytes), std::make_shared<RawChunks>(),
-                    {.name = "wavy.copc.laz", .title = "wavy", .identity = {}, .surfels = surfels, .memory = memory});
+                    {.name = "wavy.copc.laz",
+                     .title = "wavy",
+                     .identity = {},
+                     .surfels = surfels,
+                     .upperPoints = 2000,
+                     .memory = memory});
 }
 
 std::vector<PointValue> sorted(std::vector<PointValue> values) {
@@ -45,7 +51,9 @@ std::vector<PointValue> valuesOfNodes(const CloudFile& file, Wanted wanted) {
 
 class CopcCloud : public ::testing::Test {
   protected:
-    static void SetUpTestSuite() { made_ = new CopcBytes(CopcMaker::make(wavyPoints(sized(40000, 6000)), 500)); }
+    static void SetUpTestSuite() {
+        made_ = new CopcBytes(CopcMaker::make(wavyPoints(sized(40000, 6000)), 500));
+    }
     static void TearDownTestSuite() { delete made_; }
     static const CopcBytes& made() { return *made_; }
 
@@ -131,7 +139,8 @@ TEST_F(CopcCloud, SamplesAreTheSameBytesHoweverTheyAreRead) {
     const auto count = std::uint32_t((*one)->nodes().size());
     std::size_t withNormal = 0;
     for (std::uint32_t i = 0; i < count; i += 3) {
-        const auto a = (*one)->samples(i), b = (*other)->samples(count - 1 - i), c = (*one)->samples(count - 1 - i);
+        const auto a = (*one)->samples(i), b = (*other)->samples(count - 1 - i),
+                   c = (*one)->samples(count - 1 - i);
         ASSERT_TRUE(a && b && c);
         ASSERT_EQ(b->size(), c->size());
         EXPECT_EQ(std::memcmp(b->data(), c->data(), b->size() * sizeof(Sample)), 0);
@@ -178,6 +187,18 @@ TEST_F(CopcCloud, ADamagedChunkCostsWhatLiesBelowIt) {
             EXPECT_THAT(samples.error().message, HasSubstr("wavy.copc.laz, voxel"));
         }
     EXPECT_EQ(damaged, 1U);
+}
+
+TEST(CopcUpperLevels, AreSomeVoxelsWhereTheLevelsAboveAreEmpty) {
+    CopcHierarchy hierarchy;
+    for (std::int32_t level = 0; level <= 3; ++level)
+        for (std::int32_t at = 0; at < 1 << level; ++at) {
+            CopcVoxel& voxel = hierarchy.voxels.emplace_back();
+            voxel.key = {level, {at, 0, 0}};
+            voxel.points = level < 3 ? 0 : 100'000;
+        }
+    const auto upper = upperVoxels(hierarchy, 50'000);
+    EXPECT_EQ(upper, (std::vector<std::uint32_t>{7, 12}));
 }
 
 namespace {
@@ -316,13 +337,15 @@ TEST_P(RealCopc, LeavesAreAllPoints) {
     }
     auto again = InputFile::open(testData(GetParam()));
     ASSERT_TRUE(again);
-    const auto file = openCopc(readerOf(std::move(*again)), std::make_shared<LazChunks>(),
-                               {.name = GetParam(), .title = "it", .identity = {}, .surfels = false});
+    const auto file =
+        openCopc(readerOf(std::move(*again)), std::make_shared<LazChunks>(),
+                 {.name = GetParam(), .title = "it", .identity = {}, .surfels = false, .upperPoints = 2000});
     ASSERT_TRUE(file) << file.error().message;
     bool isExact = true;
     for (const StoredNode& stored : (*file)->nodes())
         for (int a = 0; a < 3; ++a)
-            isExact = isExact && (!stored.node.isLeaf() || stored.node.step[a] == (*file)->facts().grid->step[a]);
+            isExact =
+                isExact && (!stored.node.isLeaf() || stored.node.step[a] == (*file)->facts().grid->step[a]);
     auto shown = valuesOfNodes(**file, [](const Node& n) { return n.isLeaf(); });
     if (isExact) {
         EXPECT_EQ(shown, sorted(all));

@@ -20,7 +20,7 @@ inline constexpr int scanDescriptor = 3;
 struct LaunchedProgram {
     pid_t pid = -1;
     UniqueFd output, errors;  ///< the ends to read of its standard output and error; reading does not wait
-    UniqueFd input{};         ///< the end to write of its standard input, where it has one; writing does not wait
+    UniqueFd input{};  ///< the end to write of its standard input, where it has one; writing does not wait
 };
 
 /// What a program finds on its standard input.

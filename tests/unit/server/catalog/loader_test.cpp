@@ -15,6 +15,7 @@
 #include "tests/support/clouds/synthetic_source.hpp"
 #include "tests/support/clouds/write_cloud.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/test_data.hpp"
 
 namespace scancast {
 namespace {
@@ -156,6 +157,31 @@ TEST_F(LoaderTest, AScanIsBuiltInMemoryAndCounted) {
     EXPECT_EQ(entry.cloud->points, 20'000u);
     EXPECT_TRUE(entry.cloud->octree.store().whole());
     EXPECT_GE(cache_->stats().bytes, entry.cloud->octree.bytesResident());
+}
+
+TEST_F(LoaderTest, CopcIsShownAsItIsWhereThatIsAskedForAndAnotherInItsPlaceAsWell) {
+    REQUIRE_TEST_DATA("copc/ellipsoid.copc.laz");
+    const fs::path file = folder_ / "shown.copc.laz", next = folder_ / "next.laz";
+    fs::copy_file(test::testData("copc/ellipsoid.copc.laz"), file);
+    LoaderOptions native = options();
+    native.import.importerDirectory = SCANCAST_BIN_DIR;
+    native.native = true;
+    native.watchInterval = 20ms;
+    Loader loader({file}, catalog_, native);
+    awaitEnd(loader);
+    const auto entry = catalog_.list().back();
+    ASSERT_TRUE(entry.cloud) << entry.error;
+    EXPECT_EQ(entry.cloud->points, 100'000u);
+    EXPECT_FALSE(entry.cloud->octree.store().whole());
+    EXPECT_TRUE(entry.cloud->look);
+    EXPECT_TRUE(entry.cloud->octree.run(0));
+
+    fs::copy_file(test::testData("copc/simple_with_page.copc.laz"), next);
+    fs::rename(next, file);
+    const auto end = std::chrono::steady_clock::now() + 60s;
+    while (catalog_.list().back().cloud == entry.cloud && std::chrono::steady_clock::now() < end)
+        std::this_thread::sleep_for(5ms);
+    EXPECT_EQ(catalog_.list().back().cloud->points, 1065u);
 }
 
 TEST_F(LoaderTest, MoreIsLoadedWhileItRunsAndNothingAfterItsStop) {

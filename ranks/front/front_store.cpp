@@ -32,12 +32,13 @@ std::vector<Expected<SampleRun>> FrontStore::loadAll(std::span<const std::uint32
     if (file_->by == DrawnBy::FrontMeanwhile && samplesIn(nodes) > whole_->capacity() / 2 &&
         !clouds_->waitForRanks(*file_, stop))
         return unavailable(nodes.size());
+    const std::stop_token changes = clouds_->untilChanged(*file_);
     if (byRanks()) return std::vector<Expected<SampleRun>>(nodes.size(), SampleRun{});
     // What is being loaded when they come back they load, too, and sooner.
     std::stop_source either;
     const auto stops = [&either] { either.request_stop(); };
     const std::stop_callback wanted(stop, stops);
-    const std::stop_callback changed(clouds_->untilChanged(*file_), stops);
+    const std::stop_callback changed(changes, stops);
     auto loaded = whole_->loadAll(nodes, either.get_token());
     const auto isCancelled = [](const auto& run) { return !run && run.error().code == ErrorCode::Cancelled; };
     if (!stop.stop_requested() && std::ranges::any_of(loaded, isCancelled)) return unavailable(nodes.size());

@@ -19,7 +19,7 @@ constexpr auto startsWithin = std::chrono::minutes(2);
 constexpr auto silenceOfLost = std::chrono::seconds(8);
 constexpr auto standstillOfLost = std::chrono::seconds(1);
 /// mpirun, when a rank has gone.
-constexpr auto endsByItselfWithin = std::chrono::milliseconds(1500);
+constexpr auto endsByItselfWithin = std::chrono::milliseconds(1000);
 /// Between looks at whether a picture is still wanted, and pauses, as the cpu device makes them.
 constexpr auto drawSlice = std::chrono::milliseconds(5);
 /// A job that has lived for so long is started again at once.

@@ -20,7 +20,7 @@ namespace scancast {
 namespace {
 
 /// mpirun ends its ranks in less, and puts away what they shared.
-constexpr auto endsWithin = std::chrono::seconds(3);
+constexpr auto endsWithin = std::chrono::seconds(2);
 constexpr auto looksForEndEvery = std::chrono::milliseconds(10);
 
 /// Ranks have nothing to put away when they are told to end; Open MPI would wait a second before it looks whether they have.

@@ -16,6 +16,9 @@ namespace {
 constexpr auto opensWithin = std::chrono::seconds(10);
 /// A job that was lost is there again after one or two seconds, or it does not start.
 constexpr auto isBackWithin = std::chrono::seconds(10);
+/// What they could not open, for want of something that may pass.
+constexpr auto asksAgainAfter = std::chrono::minutes(1);
+constexpr auto fearedFor = std::chrono::minutes(10);
 constexpr auto looksForStop = std::chrono::milliseconds(20);
 
 const RankedFile* rankedFileOf(const Cloud& cloud) {
@@ -63,7 +66,12 @@ std::shared_ptr<RankedFile> FrontClouds::enlist(CloudPlace place) {
     keeper->waitForFirstStart(opensWithin);
     Lock lock(monitor_);
     if (!isUp_) return file;
-    if (!file->isAnswered) askToOpen(*file);  // twice, if the ranks have just come: they answer both
+    if (!file->isAnswered) {  // twice, if the ranks have just come: they answer both
+        const RankBytes words = wordsFor(*file);
+        lock.unlock();  // who sends may have to wait
+        keeper->open(file->number, words);
+        lock.lock();
+    }
     monitor_.waitUntil(lock, giveUp, [&] { return file->isAnswered || !isUp_; });
     return file;
 }
@@ -84,21 +92,59 @@ RankBytes FrontClouds::wordsFor(const RankedFile& file) const {
     return words;
 }
 
-void FrontClouds::askToOpen(const RankedFile& file) {
-    if (keeper_ != nullptr) keeper_->open(file.number, wordsFor(file));
-}
-
 // ---- the job
 
 void FrontClouds::jobIsUp() {
-    const Lock lock(monitor_);
-    isUp_ = true;
-    for (const auto& [number, listed] : files_) {
-        const auto file = listed.lock();
-        if (!file) continue;
-        file->isAnswered = false;
-        askToOpen(*file);
+    JobKeeper* keeper = nullptr;
+    std::vector<std::pair<std::uint64_t, RankBytes>> asked;
+    {
+        const Lock lock(monitor_);
+        isUp_ = true;
+        keeper = keeper_;
+        for (const auto& [number, listed] : files_) {
+            const auto file = listed.lock();
+            if (!file) continue;
+            file->isAnswered = false;
+            asked.emplace_back(number, wordsFor(*file));
+        }
     }
+    if (keeper == nullptr) return;
+    for (const auto& [number, words] : asked) keeper->open(number, words);
+}
+
+void FrontClouds::jobBeats() {
+    JobKeeper* keeper = nullptr;
+    std::vector<std::pair<std::uint64_t, RankBytes>> asked;
+    {
+        const Lock lock(monitor_);
+        keeper = keeper_;
+        for (const auto& [number, listed] : files_) {
+            const auto file = listed.lock();
+            if (!file || file->by != DrawnBy::FrontAlone || Clock::now() < file->askAgainAt) continue;
+            file->askAgainAt = Clock::now() + asksAgainAfter;
+            asked.emplace_back(number, wordsFor(*file));
+        }
+    }
+    if (keeper == nullptr) return;
+    for (const auto& [number, words] : asked) keeper->open(number, words);
+}
+
+void FrontClouds::drawAlone(const CloudPlace& place) {
+    bool isNews = false;
+    {
+        const Lock lock(monitor_);
+        for (const auto& [number, listed] : files_) {
+            const auto file = listed.lock();
+            if (!file || file->place.path != place.path || file->place.revision != place.revision) continue;
+            isNews = isNews || file->by != DrawnBy::FrontAlone;
+            file->fearedUntil = file->askAgainAt = Clock::now() + fearedFor;
+            change(*file, DrawnBy::FrontAlone);
+        }
+    }
+    if (isNews)
+        onAlone_(fmt::format(
+            "{}: it is drawn without the ranks for {} minutes: they were lost twice over the same picture",
+            std::filesystem::path(place.path).filename().string(), fearedFor.count()));
 }
 
 void FrontClouds::jobOpened(std::uint64_t number, const JobOpened& opened) {
@@ -114,7 +160,9 @@ void FrontClouds::jobOpened(std::uint64_t number, const JobOpened& opened) {
             alone = fmt::format("{}: it is drawn without the ranks: {}",
                                 std::filesystem::path(file->place.path).filename().string(), opened.whyNot);
         file->isAnswered = true;
-        change(*file, opened.whyNot.empty() ? DrawnBy::Ranks : DrawnBy::FrontAlone);
+        if (!opened.whyNot.empty()) file->askAgainAt = Clock::now() + asksAgainAfter;
+        const bool byRanks = opened.whyNot.empty() && Clock::now() >= file->fearedUntil;
+        change(*file, byRanks ? DrawnBy::Ranks : DrawnBy::FrontAlone);
     }
     if (!alone.empty()) onAlone_(alone);
 }
@@ -124,7 +172,8 @@ void FrontClouds::jobIsLost() {
     isUp_ = false;
     lostAt_ = Clock::now();
     for (const auto& [number, listed] : files_)
-        if (const auto file = listed.lock()) change(*file, DrawnBy::FrontMeanwhile);
+        if (const auto file = listed.lock(); file && file->by == DrawnBy::Ranks)
+            change(*file, DrawnBy::FrontMeanwhile);
 }
 
 void FrontClouds::change(RankedFile& file, DrawnBy by) {
@@ -133,6 +182,16 @@ void FrontClouds::change(RankedFile& file, DrawnBy by) {
     file.by = by;
     ++file.changes;
     std::exchange(file.until, std::stop_source()).request_stop();
+}
+
+void FrontClouds::stop() {
+    JobKeeper* keeper = nullptr;
+    {
+        const Lock lock(monitor_);
+        keeper = keeper_;
+    }
+    if (keeper != nullptr) keeper->stop();
+    cache_->stop();
 }
 
 void FrontClouds::close() {

@@ -42,7 +42,9 @@ struct RankedFile {
     std::atomic<std::uint64_t> changes{0};
     std::atomic<std::uint64_t> capacity{0};  ///< of all ranks; 0: not known yet
     bool isAnswered = false;                 ///< by the ranks that are there; under the clouds' lock
-    std::stop_source until;                  ///< `by` is something else; likewise
+    std::chrono::steady_clock::time_point fearedUntil{};  ///< ranks do not draw it even if they can; likewise
+    std::chrono::steady_clock::time_point askAgainAt{};   ///< whether ranks can open it now; likewise
+    std::stop_source until;                               ///< `by` is something else; likewise
 };
 
 class FrontClouds final : public BlockCache,
@@ -59,7 +61,8 @@ class FrontClouds final : public BlockCache,
     std::shared_ptr<SampleStore> add(std::shared_ptr<const CloudFile> file) override;
     std::shared_ptr<const void> reserve(std::uint64_t bytes) override { return cache_->reserve(bytes); }
     BlockCacheStats stats() const override { return cache_->stats(); }
-    void stop() override { cache_->stop(); }
+    /// And the ranks.
+    void stop() override;
 
     /// Drawings of this cloud may come: they know their octree's source alone.
     void know(const std::shared_ptr<const Cloud>& cloud);
@@ -77,6 +80,9 @@ class FrontClouds final : public BlockCache,
     void jobIsUp() override;
     void jobOpened(std::uint64_t number, const JobOpened& opened) override;
     void jobIsLost() override;
+    void jobBeats() override;
+    /// For some minutes: ranks have been lost over it again and again.
+    void drawAlone(const CloudPlace& place);
 
   private:
     using Clock = std::chrono::steady_clock;
@@ -87,7 +93,6 @@ class FrontClouds final : public BlockCache,
     };
 
     std::shared_ptr<RankedFile> enlist(CloudPlace place);
-    void askToOpen(const RankedFile& file);
     RankBytes wordsFor(const RankedFile& file) const;
     static void change(RankedFile& file, DrawnBy by);
 

@@ -26,7 +26,7 @@ bool isForRanks(const Drawing& drawing) {
 
 class FrontDevice final : public Device {
   public:
-    FrontDevice(JobKeeper& keeper, std::shared_ptr<const FrontClouds> clouds, std::unique_ptr<Device> own)
+    FrontDevice(JobKeeper& keeper, std::shared_ptr<FrontClouds> clouds, std::unique_ptr<Device> own)
         : keeper_(keeper), clouds_(std::move(clouds)), own_(std::move(own)) {}
 
     DeviceInfo info() const override {
@@ -45,19 +45,25 @@ class FrontDevice final : public Device {
         const auto place = clouds_->placeOf(drawing.mainView().cut.source);
         if (!place)
             return fail(ErrorCode::Internal, "A cloud is to be drawn by ranks of which they do not know.");
-        return keeper_.draw(packDrawing(*place, drawing), drawing, stop);
+        const RankBytes packed = packDrawing(*place, drawing);
+        if (keeper_.isFeared(packed)) {
+            clouds_->drawAlone(*place);
+            return fail(ErrorCode::Unavailable,
+                        "Ranks were lost over this picture; it is drawn without them.");
+        }
+        return keeper_.draw(packed, drawing, stop);
     }
 
   private:
     JobKeeper& keeper_;
-    const std::shared_ptr<const FrontClouds> clouds_;
+    const std::shared_ptr<FrontClouds> clouds_;
     const std::unique_ptr<Device> own_;
 };
 
 }  // namespace
 
-Expected<std::unique_ptr<Device>> createFrontDevice(JobKeeper& keeper,
-                                                    std::shared_ptr<const FrontClouds> clouds, int threads) {
+Expected<std::unique_ptr<Device>> createFrontDevice(JobKeeper& keeper, std::shared_ptr<FrontClouds> clouds,
+                                                    int threads) {
     auto own = createCpuDevice(threads);
     if (!own) return passOn(own);
     return std::make_unique<FrontDevice>(keeper, std::move(clouds), std::move(*own));

@@ -12,7 +12,7 @@ namespace scancast {
 
 /// `threads`: of its own drawing. The keeper outlives it. Its draw() says Unavailable for what was prepared for ranks that are not there
 /// any more: prepared again, it draws it. Errors: createCpuDevice()'s.
-Expected<std::unique_ptr<Device>> createFrontDevice(JobKeeper& keeper,
-                                                    std::shared_ptr<const FrontClouds> clouds, int threads);
+Expected<std::unique_ptr<Device>> createFrontDevice(JobKeeper& keeper, std::shared_ptr<FrontClouds> clouds,
+                                                    int threads);
 
 }  // namespace scancast

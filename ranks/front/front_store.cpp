@@ -28,12 +28,20 @@ Expected<SampleRun> FrontStore::load(std::uint32_t node, std::stop_token stop) {
 
 std::vector<Expected<SampleRun>> FrontStore::loadAll(std::span<const std::uint32_t> nodes,
                                                      std::stop_token stop) {
-    // Half of what a picture may hold: the other half may be here already, and other cuts of the picture follow.
-    if (file_->by == DrawnBy::FrontMeanwhile && samplesIn(nodes) > whole_->capacity() / 2 &&
-        !clouds_->waitForRanks(*file_, stop))
-        return unavailable(nodes.size());
-    const std::stop_token changes = clouds_->untilChanged(*file_);
-    if (byRanks()) return std::vector<Expected<SampleRun>>(nodes.size(), SampleRun{});
+    // A third of what a picture may hold: others may be here already, and other cuts of the picture follow.
+    const bool isTooMuch = isMoreThanFronts() && samplesIn(nodes) > whole_->capacity() / 3;
+    std::stop_token changes;
+    for (;;) {
+        changes = clouds_->untilChanged(*file_);  // first, so that a change after the look is seen
+        const DrawnBy by = file_->by;
+        if (by == DrawnBy::Ranks) return std::vector<Expected<SampleRun>>(nodes.size(), SampleRun{});
+        if (by == DrawnBy::FrontAlone || !isTooMuch) break;
+        if (clouds_->waitForRanks(*file_, stop)) continue;
+        if (!stop.stop_requested()) return unavailable(nodes.size());
+        // Asked to give way, as to others' blocks: it will be asked for again.
+        return std::vector<Expected<SampleRun>>(
+            nodes.size(), fail(ErrorCode::Cancelled, "It is no longer waited for the ranks."));
+    }
     // What is being loaded when they come back they load, too, and sooner.
     std::stop_source either;
     const auto stops = [&either] { either.request_stop(); };
@@ -53,6 +61,10 @@ void FrontStore::request(std::uint64_t requester, std::vector<BlockRequest> requ
 std::uint64_t FrontStore::capacity() const {
     const std::uint64_t ofRanks = file_->capacity;
     return file_->by == DrawnBy::FrontAlone || ofRanks == 0 ? whole_->capacity() : ofRanks;
+}
+
+bool FrontStore::isMoreThanFronts() const {
+    return file_->capacity > whole_->capacity();
 }
 
 std::uint64_t FrontStore::samplesIn(std::span<const std::uint32_t> nodes) const {

@@ -36,13 +36,17 @@ class FrontStore final : public SampleStore {
     bool whole() const override { return whole_->whole(); }
     bool damaged(std::uint32_t node) const override { return !byRanks() && whole_->damaged(node); }
     /// Without the ranks what is missing is coarser until they are back, or until the front's memory holds it.
-    bool isAway() const override { return file_->by == DrawnBy::FrontMeanwhile || whole_->isAway(); }
+    bool isAway() const override {
+        return (file_->by == DrawnBy::FrontMeanwhile && isMoreThanFronts()) || whole_->isAway();
+    }
     /// All ranks', once it is known, whether they are there or not: a picture's samples do not depend on that.
     std::uint64_t capacity() const override;
     std::uint64_t bytesResident() const override { return whole_->bytesResident(); }
 
   private:
     bool byRanks() const { return file_->by == DrawnBy::Ranks; }
+    /// Ranks have had it open, and hold more of it than this process may.
+    bool isMoreThanFronts() const;
     std::uint64_t samplesIn(std::span<const std::uint32_t> nodes) const;
 
     const std::shared_ptr<SampleStore> whole_;

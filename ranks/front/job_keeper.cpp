@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <string_view>
 #include <utility>
 
 #include "server/base/faults.hpp"
@@ -17,7 +19,12 @@ namespace {
 constexpr auto startsWithin = std::chrono::minutes(2);
 /// The first rank says twice a second that all are there (ranks/front/heartbeat.hpp), which itself gives up sooner.
 constexpr auto silenceOfLost = std::chrono::seconds(8);
-constexpr auto standstillOfLost = std::chrono::seconds(1);
+constexpr auto standstillOfLost = std::chrono::seconds(5);
+/// Beats show that ranks are there, not that they draw: no picture takes so long.
+constexpr auto longestOnePicture = std::chrono::minutes(5);
+/// Ranks that were lost twice over the same picture are not asked for it for so long.
+constexpr auto remembersFor = std::chrono::minutes(10);
+constexpr int mostLosses = 2;
 /// mpirun, when a rank has gone.
 constexpr auto endsByItselfWithin = std::chrono::milliseconds(1000);
 /// Between looks at whether a picture is still wanted, and pauses, as the cpu device makes them.
@@ -33,16 +40,22 @@ Error ranksGone() {
             {}};
 }
 
+std::size_t numberOf(const RankBytes& drawing) {
+    return std::hash<std::string_view>()({reinterpret_cast<const char*>(drawing.data()), drawing.size()});
+}
+
 }  // namespace
 
 JobKeeper::~JobKeeper() {
-    {
-        const Lock lock(monitor_);
-        stopping_ = true;
-        if (process_ != nullptr) process_->ask();
-        if (socket_) socket_->close();
-    }
+    stop();
     if (thread_.joinable()) thread_.join();
+}
+
+void JobKeeper::stop() {
+    const Lock lock(monitor_);
+    stopping_ = true;
+    if (process_ != nullptr) process_->ask();
+    if (socket_) socket_->close();
 }
 
 void JobKeeper::begin(std::shared_ptr<JobListener> listener) {
@@ -57,7 +70,7 @@ JobStatus JobKeeper::status() const {
 
 void JobKeeper::waitForFirstStart(std::chrono::milliseconds patience) const {
     Lock lock(monitor_);
-    monitor_.waitUntil(lock, Clock::now() + patience, [this] { return !status_.isFirstStart || stopping_; });
+    monitor_.waitUntil(lock, created_ + patience, [this] { return !status_.isFirstStart || stopping_; });
 }
 
 // ---- starting it again and again
@@ -104,6 +117,13 @@ std::string JobKeeper::runOnce() {
     words.push_back(door->path().string());
     auto process = JobProcess::start(std::move(words));
     if (!process) return process.error().message;
+    // Whatever happens here, nobody asks a process that is gone.
+    struct Told {
+        JobKeeper& keeper;
+        ~Told() { keeper.setProcess(nullptr); }
+    };
+    std::optional<Told> told(std::in_place, *this);
+    setProcess(&*process);
     const auto giveUp = Clock::now() + startsWithin;
     auto socket = door->accept([&] {
         const Monitor::Look look(monitor_);
@@ -114,9 +134,8 @@ std::string JobKeeper::runOnce() {
             return fmt::format("{} did not start them: {}", start_.front(), process->howItEnded());
         return fmt::format("{} did not start them in time", start_.front());
     }
-    setProcess(&*process);
     std::string why = talk(std::move(*socket));
-    setProcess(nullptr);
+    told.reset();
     process->end(endsByItselfWithin);
     return fmt::format("{} ({}: {})", why, start_.front(), process->howItEnded());
 }
@@ -124,6 +143,7 @@ std::string JobKeeper::runOnce() {
 void JobKeeper::setProcess(JobProcess* process) {
     const Lock lock(monitor_);
     process_ = process;
+    if (process != nullptr && stopping_) process->ask();
 }
 
 /// Until nothing more comes from it; why.
@@ -165,23 +185,50 @@ void JobKeeper::setUp(std::shared_ptr<JobSocket> socket, const JobHello& hello) 
         if (stopping_) return socket->close();
         socket_ = std::move(socket);
         status_.isUp = true;
-        status_.isFirstStart = false;
         status_.ranks = hello.ranks;
     }
     spdlog::info("the ranks are there: {}", hello.ranks);
     listener_->jobIsUp();
+    const Lock lock(monitor_);
+    status_.isFirstStart = false;  // not sooner: who waits for it asks the listener next
 }
 
 void JobKeeper::setLost() {
-    {
-        const Lock lock(monitor_);
-        socket_.reset();
-        status_.isUp = false;
-    }
-    listener_->jobIsLost();
+    // Before anybody is told that there is no picture: what is prepared again is prepared without them. The socket is closed.
+    const auto told = contained("Losing the ranks", [this] { listener_->jobIsLost(); });
+    if (!told) spdlog::error("{}", told.error().message);
     const Lock lock(monitor_);
-    for (auto& [id, awaited] : awaited_)
-        if (!awaited.answer) awaited.answer = tl::unexpected(ranksGone());
+    socket_.reset();
+    status_.isUp = false;
+    const auto now = Clock::now();
+    std::erase_if(losses_, [&](const auto& loss) { return now - loss.second.last > remembersFor; });
+    for (auto& [id, awaited] : awaited_) {
+        if (awaited.answer) continue;
+        awaited.answer = tl::unexpected(ranksGone());
+        if (stopping_) continue;
+        Losses& over = losses_[awaited.drawing];
+        ++over.count;
+        over.last = now;
+    }
+}
+
+bool JobKeeper::isFeared(const RankBytes& drawing) const {
+    const Monitor::Look look(monitor_);
+    const auto over = losses_.find(numberOf(drawing));
+    return over != losses_.end() && over->second.count >= mostLosses &&
+           Clock::now() - over->second.last <= remembersFor;
+}
+
+/// That pictures are made, or nobody waits for one.
+Expected<void> JobKeeper::judgeBeat() {
+    {
+        const Monitor::Look look(monitor_);
+        for (const auto& [id, awaited] : awaited_)
+            if (!awaited.answer && Clock::now() - std::max(awaited.since, lastAnswer_) > longestOnePicture)
+                return fail(ErrorCode::Unavailable, "they are there, and have drawn nothing for minutes");
+    }
+    listener_->jobBeats();
+    return {};
 }
 
 // ---- what it says
@@ -190,7 +237,7 @@ Expected<void> JobKeeper::take(JobSocket& socket, const JobHead& head) {
     if (head.word == JobWord::Picture) return takePicture(socket, head);
     const auto body = socket.receiveBody(head);
     if (!body) return passOn(body);
-    if (head.word == JobWord::Beat) return {};
+    if (head.word == JobWord::Beat) return judgeBeat();
     if (head.word == JobWord::Opened) {
         const auto opened = unpackOpened(*body);
         if (!opened) return passOn(opened);
@@ -250,6 +297,7 @@ Expected<void> JobKeeper::takePicture(JobSocket& socket, const JobHead& head) {
 
 void JobKeeper::answer(std::uint64_t id, Expected<Frame> frame) {
     const Lock lock(monitor_);
+    lastAnswer_ = Clock::now();
     if (const auto at = awaited_.find(id); at != awaited_.end()) at->second.answer = std::move(frame);
 }
 
@@ -273,13 +321,17 @@ Expected<Frame> JobKeeper::draw(const RankBytes& drawing, const Drawing& of, con
         if (!socket_) return tl::unexpected(ranksGone());
         socket = socket_;
         id = ++lastId_;
-        awaited_[id] = {of.window.width, of.window.height, of.depth, {}};
+        awaited_[id] = {of.window.width, of.window.height, of.depth, numberOf(drawing), Clock::now(), {}};
     }
     const std::byte flag{std::uint8_t(pauses)};
     const std::array<std::span<const std::byte>, 2> parts{std::span(&flag, 1), std::span(drawing)};
-    if (auto sent = socket->send(JobWord::Draw, id, parts); !sent)
-        socket->close();  // the reader finds it lost
+    const auto sent = socket->send(JobWord::Draw, id, parts);
     Lock lock(monitor_);
+    if (!sent && sent.error().code == ErrorCode::ResourceLimit) {
+        awaited_.erase(id);
+        return passOn(sent);
+    }
+    if (!sent) socket->close();  // the reader finds it lost
     for (;;) {
         const auto at = awaited_.find(id);
         if (monitor_.waitUntil(lock, Clock::now() + drawSlice,

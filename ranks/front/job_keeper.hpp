@@ -33,6 +33,8 @@ class JobListener {
     virtual void jobOpened(std::uint64_t number, const JobOpened& opened) = 0;
     /// The ranks are gone: what was asked of them is answered with Unavailable after this has returned.
     virtual void jobIsLost() = 0;
+    /// They are still there; twice a second.
+    virtual void jobBeats() {}
 };
 
 struct JobStatus {
@@ -55,11 +57,15 @@ class JobKeeper {
     /// Once.
     void begin(std::shared_ptr<JobListener> listener);
     JobStatus status() const;
-    /// Until the first start has come to something.
+    /// Ends the job, for good; does not wait for it.
+    void stop();
+    /// Until the first start has come to something: so long after this was made, whoever asks.
     void waitForFirstStart(std::chrono::milliseconds patience) const;
 
     /// Asks the job to open a cloud; where there is none, nothing happens.
     void open(std::uint64_t number, const RankBytes& words);
+    /// Twice they were lost while this was drawn: better not asked for again, for some minutes.
+    bool isFeared(const RankBytes& drawing) const;
     /// `drawing`: packDrawing()'s. Its pause is called every few milliseconds. Errors: the device's; Unavailable, where the ranks
     /// were lost.
     Expected<Frame> draw(const RankBytes& drawing, const Drawing& of, const std::stop_token& stop);
@@ -72,7 +78,15 @@ class JobKeeper {
     struct Awaited {
         int width = 0, height = 0;
         bool depth = false;
+        std::size_t drawing = 0;  ///< a hash of it
+        Clock::time_point since;
         std::optional<Expected<Frame>> answer;
+    };
+
+    /// Of ranks, while something was drawn.
+    struct Losses {
+        int count = 0;
+        Clock::time_point last;
     };
 
     void run();
@@ -80,6 +94,7 @@ class JobKeeper {
     std::string talk(const std::shared_ptr<JobSocket>& socket);
     Expected<void> greet(const std::shared_ptr<JobSocket>& socket);
     Expected<void> take(JobSocket& socket, const JobHead& head);
+    Expected<void> judgeBeat();
     Expected<void> takePicture(JobSocket& socket, const JobHead& head);
     void answer(std::uint64_t id, Expected<Frame> frame);
     void setUp(std::shared_ptr<JobSocket> socket, const JobHello& hello);
@@ -88,12 +103,15 @@ class JobKeeper {
     bool waitBeforeNext(std::chrono::milliseconds pause);
 
     const std::vector<std::string> start_, draw_;
+    const Clock::time_point created_ = Clock::now();
     std::shared_ptr<JobListener> listener_;
     mutable Monitor monitor_;  // guards what follows
     JobStatus status_;
     std::shared_ptr<JobSocket> socket_;  // while it is up
     JobProcess* process_ = nullptr;      // while it is talked to
     std::map<std::uint64_t, Awaited> awaited_;
+    std::map<std::size_t, Losses> losses_;  // by the drawing's hash
+    Clock::time_point lastAnswer_{};
     std::uint64_t lastId_ = 0;
     bool stopping_ = false;
     std::thread thread_;

@@ -20,7 +20,8 @@ constexpr std::uint64_t longestDrawing = 256 << 20;
 constexpr std::uint64_t longestPicture = std::uint64_t(4) << 30;
 constexpr int longestSide = 1 << 20;
 
-/// Bytes of a body of its kind, at the most; 0 for a kind that there is not.
+}  // namespace
+
 std::uint64_t longestBody(JobWord word) {
     switch (word) {
         case JobWord::Hello:
@@ -39,6 +40,8 @@ std::uint64_t longestBody(JobWord word) {
     }
     return 0;
 }
+
+namespace {
 
 tl::unexpected<Error> malformed() {
     return fail(

@@ -34,6 +34,8 @@ struct JobHead {
 inline constexpr std::size_t jobHeadBytes = 24;
 using JobHeadBytes = std::array<std::byte, jobHeadBytes>;
 
+/// Bytes of a body of its kind, at the most; 0 for a kind that there is not.
+std::uint64_t longestBody(JobWord word);
 JobHeadBytes packHead(const JobHead& head);
 /// Malformed: no head, or one of a body that is longer than any of its kind is.
 Expected<JobHead> unpackHead(const JobHeadBytes& bytes);

@@ -99,6 +99,8 @@ Expected<void> JobSocket::send(JobWord word, std::uint64_t id,
                                std::span<const std::span<const std::byte>> parts) {
     JobHead head{word, id, 0};
     for (const auto& part : parts) head.bytes += part.size();
+    if (head.bytes > longestBody(word))
+        return fail(ErrorCode::ResourceLimit, "This is more than ranks can be told at once.");
     const JobHeadBytes packed = packHead(head);
     const std::scoped_lock lock(sends_);
     if (auto ok = sendAll(packed); !ok) return ok;

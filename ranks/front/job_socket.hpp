@@ -27,7 +27,8 @@ class JobSocket {
 
     /// Who says nothing for so long, or takes nothing, is as good as gone.
     void setPatience(std::chrono::milliseconds silence, std::chrono::milliseconds standstill);
-    /// The head, and all parts as one body. After an error nothing else may be sent: close().
+    /// The head, and all parts as one body. ResourceLimit: it is longer than its kind may be; nothing
+    /// was sent. After other errors nothing else may be sent: close().
     Expected<void> send(JobWord word, std::uint64_t id, std::span<const std::span<const std::byte>> parts);
     Expected<void> send(JobWord word, std::uint64_t id = 0, std::span<const std::byte> body = {}) {
         return send(word, id, std::span(&body, 1));

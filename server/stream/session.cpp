@@ -423,8 +423,10 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> r
         deliver(order, std::move(*result), now);
     } else {
         const bool cancelled = result.error().code == ErrorCode::Cancelled;
-        const bool isAway = order.still && result.error().code == ErrorCode::Unavailable;
-        if (isAway)
+        const bool isAway = result.error().code == ErrorCode::Unavailable;
+        if (isAway && !order.still)
+            fresh_ = true;  // dropped; the view is still to be shown
+        else if (isAway)
             stills_.away(now);
         else if (order.still == StillSchedule::Still::Trial && cancelled)
             stills_.lacked(now);

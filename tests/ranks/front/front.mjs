@@ -1,7 +1,7 @@
 // `scancast-ranks front` as a child, for tests and measurements: its ranks by their numbers, its metrics, its log.
 
 import { spawn, spawnSync } from 'node:child_process';
-import { closeSync, mkdtempSync, openSync, readFileSync, readdirSync, rmSync } from 'node:fs';
+import { closeSync, mkdtempSync, openSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
@@ -85,7 +85,12 @@ export class Server {
   }
 
   #logFile() {
-    return join(this.#folder, 'log');
+    return this.file('log');
+  }
+
+  /** A name in a folder that is gone when it ends. */
+  file(name) {
+    return join(this.#folder, name);
   }
 
   /** Status and bytes. */
@@ -110,7 +115,17 @@ export class Server {
 export class Front extends Server {
   /** `flags`: of the front; `count` ranks of one thread each. */
   start(program, flags, count) {
-    return super.start([program, 'front', ...flags, '--start', mpirun(count), '--ranks-threads', '1', '--ranks-memory', '128M']);
+    const whenLet = `sh -c 'while [ -e ${this.file('hold')} ]; do sleep 0.1; done; exec "$@"' sh ${mpirun(count)}`;
+    return super.start([program, 'front', ...flags, '--start', whenLet, '--ranks-threads', '1', '--ranks-memory', '128M']);
+  }
+
+  /** Ranks that are lost from now on are not started again before letStart(). */
+  holdStarts() {
+    writeFileSync(this.file('hold'), '');
+  }
+
+  letStart() {
+    rmSync(this.file('hold'), { force: true });
   }
 
   mpirun() {

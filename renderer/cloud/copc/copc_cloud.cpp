@@ -9,14 +9,14 @@
 #include <new>
 #include <thread>
 
-#include "files/machine.hpp"
 #include "protocol/text/grouped.hpp"
+#include "renderer/cloud/copc/computing_turn.hpp"
 #include "renderer/cloud/copc/copc_head.hpp"
 #include "renderer/cloud/copc/gathered_points.hpp"
 #include "renderer/cloud/copc/node_surfels.hpp"
 #include "renderer/cloud/copc/upper_levels.hpp"
+#include "renderer/cloud/copc/voxel_chunks.hpp"
 #include "threads/guarded.hpp"
-#include "threads/monitor.hpp"
 
 namespace scancast {
 
@@ -27,66 +27,6 @@ using Bytes = std::vector<std::byte>;
 
 constexpr std::size_t upperThreads = 4;
 constexpr std::uint64_t usualMemory = 64 << 20;
-
-/// Chunks of a file, fetched and decoded. Errors without its name.
-class Chunks {
-  public:
-    Chunks(const RandomReader& reader, ChunkDecoders& decoders, const ChunkShape& shape,
-           const CopcHierarchy& hierarchy)
-        : reader_(reader), decoders_(decoders), shape_(shape), hierarchy_(hierarchy) {}
-
-    void expect(std::uint32_t voxel) const {
-        reader_.expect(hierarchy_.voxels[voxel].offset, hierarchy_.voxels[voxel].bytes);
-    }
-
-    Expected<Bytes> records(std::uint32_t index) const {
-        const CopcVoxel& voxel = hierarchy_.voxels[index];
-        Bytes chunk(voxel.bytes);
-        // What came over a network may be sound the second time.
-        for (int tries = 2;; --tries) {
-            const auto got = reader_.readAt(voxel.offset, chunk);
-            if (!got) return passOn(got);
-            if (*got < chunk.size())
-                return fail(
-                    ErrorCode::Truncated,
-                    fmt::format("it ends at byte {}, within the points of a voxel", voxel.offset + *got));
-            auto records = decoders_.decode(shape_, voxel.points, chunk);
-            if (records || tries == 1 || !reader_.forget(voxel.offset, voxel.bytes)) return records;
-        }
-    }
-
-  private:
-    const RandomReader& reader_;
-    ChunkDecoders& decoders_;
-    const ChunkShape& shape_;
-    const CopcHierarchy& hierarchy_;
-};
-
-/// A place among those who compute, as long as it lives: many wait for what they read at once, and drawing needs processors, too.
-class Computing {
-  public:
-    Computing() {
-        Monitor::Lock lock(monitor());
-        monitor().wait(lock, [] { return count() < std::max(1, machineCores() - 1); });
-        ++count();
-    }
-    ~Computing() {
-        const Monitor::Lock lock(monitor());
-        --count();
-    }
-    Computing(const Computing&) = delete;
-    Computing& operator=(const Computing&) = delete;
-
-  private:
-    static Monitor& monitor() {
-        static Monitor all;
-        return all;
-    }
-    static int& count() {
-        static int computing = 0;
-        return computing;
-    }
-};
 
 /// All that is known when it is open; what refers to each other stays where it is.
 struct Opened {
@@ -135,7 +75,7 @@ class CopcFile final : public CloudFile {
                 if (!upper(voxel)) chunks_.expect(voxel);
             const auto points = gathered_.of(node);
             if (!points) return named(node, points.error());
-            const Computing computing;
+            const ComputingTurn computing;
             auto samples = samplesOf(**points, opened_->tree.own[node].lattice);
             if (!samples) return named(node, samples.error());
             if (opened_->options.surfels) addNodeSurfels(nodes()[node].node, *samples);
@@ -174,7 +114,7 @@ class CopcFile final : public CloudFile {
     }
 
     const std::unique_ptr<Opened> opened_;
-    const Chunks chunks_;
+    const VoxelChunks chunks_;
     mutable GatheredPoints gathered_;
 };
 
@@ -248,7 +188,7 @@ class Opening {
     /// Fetched all at once, and decoded by as many as there are.
     Expected<std::vector<Bytes>> upperRecords() {
         voxels_ = upperVoxels(opened_->hierarchy, opened_->options.upperPoints);
-        const Chunks chunks(*opened_->reader, *opened_->decoders, opened_->shape, opened_->hierarchy);
+        const VoxelChunks chunks(*opened_->reader, *opened_->decoders, opened_->shape, opened_->hierarchy);
         for (const std::uint32_t voxel : voxels_) chunks.expect(voxel);
         std::vector<Expected<Bytes>> got(voxels_.size());
         std::atomic<std::size_t> next = 0;

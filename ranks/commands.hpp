@@ -10,12 +10,17 @@ namespace scancast {
 void addRanksIngest(CLI::App& app, int& exitCode);
 void addRanksServe(CLI::App& app, int& exitCode);
 void addRanksRender(CLI::App& app, int& exitCode);
+void addRanksFront(CLI::App& app, int& exitCode);
+/// What the front has started; nobody else calls it.
+void addRanksDraw(CLI::App& app, int& exitCode);
 
 /// All of them.
 inline void addRanksCommands(CLI::App& app, int& exitCode) {
     addRanksIngest(app, exitCode);
     addRanksServe(app, exitCode);
     addRanksRender(app, exitCode);
+    addRanksFront(app, exitCode);
+    addRanksDraw(app, exitCode);
 }
 
 }  // namespace scancast

@@ -25,9 +25,10 @@ std::shared_ptr<const void> beyondShare(const RemoteCommons& commons) {
 
 std::shared_ptr<RemoteFile> RemoteFile::create(std::shared_ptr<RemoteCommons> commons,
                                                std::shared_ptr<const ObjectAccess> access,
-                                               std::string identity, Part start) {
-    std::shared_ptr<RemoteFile> file(
-        new RemoteFile(std::move(commons), std::move(access), std::move(identity), std::move(start.state)));
+                                               std::string identity, Part start,
+                                               std::chrono::nanoseconds took) {
+    std::shared_ptr<RemoteFile> file(new RemoteFile(std::move(commons), std::move(access),
+                                                    std::move(identity), std::move(start.state), took));
     const Monitor::Lock lock(file->monitor_);
     file->pieces_.emplace(0, Piece{});
     file->keep(0, std::make_shared<const std::vector<std::byte>>(std::move(start.bytes)), false);
@@ -35,12 +36,13 @@ std::shared_ptr<RemoteFile> RemoteFile::create(std::shared_ptr<RemoteCommons> co
 }
 
 RemoteFile::RemoteFile(std::shared_ptr<RemoteCommons> commons, std::shared_ptr<const ObjectAccess> access,
-                       std::string identity, ObjectState state)
+                       std::string identity, ObjectState state, std::chrono::nanoseconds took)
     : commons_(std::move(commons)),
       access_(std::move(access)),
       state_(std::move(state)),
       key_(pieceKey(identity, state_)),
-      reserved_(beyondShare(*commons_)) {
+      reserved_(beyondShare(*commons_)),
+      pace_(commons_->pace, took) {
     ++commons_->files;
 }
 
@@ -230,7 +232,9 @@ std::vector<RemoteFile::Request> RemoteFile::requestsDue() const {
         const auto at = pieces_.find(piece);
         return at != pieces_.end() && at->second.stage == Stage::Wanted;
     };
-    while (underWay_ < commons_->requestsAtOnce && !order_.empty()) {
+    const std::uint64_t mostPieces = pace_.pieces();
+    const auto now = std::chrono::steady_clock::now();
+    while (underWay_ < pace_.requests() && !order_.empty()) {
         const std::uint64_t wanted = order_.front();
         order_.pop_front();
         if (!isWanted(wanted)) continue;
@@ -238,7 +242,7 @@ std::vector<RemoteFile::Request> RemoteFile::requestsDue() const {
         while (end - first < mostPieces && isWanted(end)) ++end;
         while (end - first < mostPieces && first > 0 && isWanted(first - 1)) --first;
         for (std::uint64_t p = first; p < end; ++p) pieces_.at(p).stage = Stage::Asked;
-        due.push_back({first, end - first});
+        due.push_back({first, end - first, now});
         ++underWay_;
     }
     return due;
@@ -290,6 +294,8 @@ void RemoteFile::arrived(const Request& request, PartOrFault result) const {
     {
         const Monitor::Lock lock(monitor_);
         --underWay_;
+        pace_.ended(request.begun, std::chrono::steady_clock::now(),
+                    result || result.error().kind != RequestFault::Kind::Unreachable);
         try {
             for (std::uint64_t i = 0; result && i < request.count; ++i) {
                 const auto one = std::span<const std::byte>(result->bytes)

@@ -22,6 +22,7 @@
 
 #include "files/random_reader.hpp"
 #include "remote/piece_folder.hpp"
+#include "remote/request_pace.hpp"
 #include "remote/transfers.hpp"
 #include "threads/monitor.hpp"
 
@@ -35,7 +36,7 @@ struct RemoteCommons {
     std::shared_ptr<const void> reserved{};  ///< for that
     /// Counts what a file has at least, where there are so many that their share is less.
     std::function<std::shared_ptr<const void>(std::uint64_t bytes)> reserve{};
-    std::size_t requestsAtOnce = 12;  ///< of one file
+    PaceLimits pace{};  ///< of one file
     int tries = 3;
     std::chrono::milliseconds firstProbe{500},
         lastProbe{10000};  ///< between questions whether a server is back
@@ -50,12 +51,12 @@ struct RemoteCommons {
 class RemoteFile final : public RandomReader, public std::enable_shared_from_this<RemoteFile> {
   public:
     static constexpr std::uint64_t pieceBytes = 64 << 10;
-    static constexpr std::uint64_t mostPieces = 16;  ///< of one request
 
-    /// As it was found: `start` is its first piece.
+    /// As it was found: `start` is its first piece, which `took` so long to come.
     static std::shared_ptr<RemoteFile> create(std::shared_ptr<RemoteCommons> commons,
                                               std::shared_ptr<const ObjectAccess> access,
-                                              std::string identity, Part start);
+                                              std::string identity, Part start,
+                                              std::chrono::nanoseconds took);
     ~RemoteFile() override;
 
     std::uint64_t size() const override { return state_.bytes; }
@@ -91,10 +92,11 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     using Pieces = std::map<std::uint64_t, Piece>;
     struct Request {
         std::uint64_t first = 0, count = 0;
+        RequestPace::Time begun{};
     };
 
     RemoteFile(std::shared_ptr<RemoteCommons> commons, std::shared_ptr<const ObjectAccess> access,
-               std::string identity, ObjectState state);
+               std::string identity, ObjectState state, std::chrono::nanoseconds took);
 
     Expected<Bytes> bytesOf(std::uint64_t piece) const;
     Bytes fromDisk(std::uint64_t piece) const;
@@ -132,6 +134,7 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     mutable std::list<std::uint64_t> uses_;    // here, the last used first
     mutable std::uint64_t bytesHere_ = 0;
     mutable std::size_t underWay_ = 0;
+    mutable RequestPace pace_;
     mutable std::optional<RequestFault> away_{};
     /// The last wait for a server that was away; nullopt once a part has come: an answer of a byte does not make it well.
     mutable std::optional<std::chrono::milliseconds> backOff_{};

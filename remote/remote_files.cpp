@@ -62,7 +62,7 @@ Expected<std::shared_ptr<RemoteCommons>> RemoteFiles::commons() {
     made->memory = options_.memory;
     made->reserve = options_.reserve;
     if (options_.reserve) made->reserved = options_.reserve(options_.memory);
-    made->requestsAtOnce = options_.requestsAtOnce;
+    made->pace = options_.pace;
     made->tries = options_.tries;
     made->firstProbe = options_.firstProbe;
     made->lastProbe = options_.lastProbe;
@@ -87,9 +87,11 @@ Expected<std::shared_ptr<RemoteFile>> RemoteFiles::open(const RemoteUrl& url) {
     ask.tries = (*shared)->tries;
     (*shared)->transfers->start(std::move(ask),
                                 [first](PartOrFault part) { first->set_value(std::move(part)); });
+    const auto begun = std::chrono::steady_clock::now();
     auto start = first->get_future().get();
     if (!start) return tl::unexpected(errorOf(start.error(), url.shown()));
-    return RemoteFile::create(std::move(*shared), object, url.identity(), std::move(*start));
+    return RemoteFile::create(std::move(*shared), object, url.identity(), std::move(*start),
+                              std::chrono::steady_clock::now() - begun);
 }
 
 Expected<RemoteDocument> RemoteFiles::fetch(const RemoteUrl& url, std::uint64_t most,

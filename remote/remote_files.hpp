@@ -21,7 +21,7 @@ struct RemoteOptions {
     std::uint64_t memory = 32 << 20;  ///< bytes, for pieces
     std::filesystem::path folder{};   ///< that pieces are kept in; empty = nowhere
     std::uint64_t folderLimit = 0;    ///< bytes
-    std::size_t requestsAtOnce = 12;  ///< of one object
+    PaceLimits pace{};                ///< of one object
     int tries = 3;
     TransfersOptions transfers{};
     std::chrono::milliseconds firstProbe{500}, lastProbe{10000};

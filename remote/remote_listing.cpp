@@ -78,11 +78,12 @@ Expected<std::optional<Listed>> RemoteListing::lookIn(RemoteFiles& remote) {
     Listed listed;
     for (const std::string& word : *words) {
         auto url = urlIn(url_, word);
-        if (url)
+        if (url) {
             listed.clouds.push_back({url->whole(), url->shown(), url->name(), std::to_string(edition_ + 1)});
-        else
-            listed.leftOut.push_back(shownArgument(word.substr(0, word.find('?'))) + ": " +
-                                     url.error().message);
+            continue;
+        }
+        const std::string what = shownArgument(word.substr(0, word.find('?'))), &why = url.error().message;
+        listed.leftOut.push_back(why.starts_with(what) ? why : what + ": " + why);
     }
     ++edition_;
     etag_ = std::move(answer->etag);

@@ -84,7 +84,8 @@ bool Transfer::begin(Handle handle, const TransferLimits& limits) {
     set(CURLOPT_CONNECTTIMEOUT_MS, long(limits.connect.count()));
     set(CURLOPT_LOW_SPEED_LIMIT, limits.leastRate);
     set(CURLOPT_LOW_SPEED_TIME, std::max(1L, long(limits.stall.count() / 1000)));
-    set(CURLOPT_TIMEOUT_MS, long(limits.whole.count()));
+    const std::uint64_t bytes = ask_.whole ? 0 : ask_.bytes;  // nobody knows how long a document is
+    set(CURLOPT_TIMEOUT_MS, long(limits.grace.count()) + long(bytes * 1000 / std::uint64_t(limits.slowest)));
     if (!access.certificates.empty()) set(CURLOPT_CAINFO, access.certificates.c_str());
     if (!access.signing.empty()) {
         set(CURLOPT_AWS_SIGV4, access.signing.c_str());

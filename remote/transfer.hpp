@@ -40,9 +40,11 @@ using PartDone = std::function<void(PartOrFault)>;
 
 struct TransferLimits {
     std::chrono::milliseconds connect{4000};
-    std::chrono::milliseconds stall{5000};   ///< that may pass with less than `leastRate`
-    long leastRate = 512;                    ///< bytes a second
-    std::chrono::milliseconds whole{60000};  ///< of one request
+    std::chrono::milliseconds stall{5000};  ///< that may pass with less than `leastRate`
+    long leastRate = 512;                   ///< bytes a second
+    /// Of one request: what brings its bytes more slowly than `slowest` for longer than `grace` is given up.
+    std::chrono::milliseconds grace{20000};
+    long slowest = 4096;  ///< bytes a second
 };
 
 class Transfer {

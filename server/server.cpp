@@ -34,7 +34,8 @@ ApiOptions apiOptions(const ServerOptions& options) {
             options.costs,
             options.scheduler.memory,
             options.adminListen ? options.adminListen->host : std::string(),
-            options.tls.given() ? strictTransport(options.hstsSeconds) : std::string()};
+            options.tls.given() ? strictTransport(options.hstsSeconds) : std::string(),
+            options.ranks};
 }
 
 class RunningServer final : public ScancastServer {

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,7 @@ struct ServerOptions {
     std::shared_ptr<BlockCache> cache;    ///< that the clouds' blocks live in, if any do
     std::shared_ptr<KeptClouds> kept;     ///< in which scans are kept, if any are; for /metrics
     std::shared_ptr<RemoteFiles> remote;  ///< that clouds behind URLs are read by; for /metrics
+    std::function<RanksStats()> ranks;    ///< that draw, if any do; for /metrics
     std::filesystem::path dataRoot;       ///< whose files administrators may add; empty = none
     std::size_t maxClouds = 256;          ///< at most in the catalog, by administrators
 };

@@ -1,73 +1,11 @@
 #include "ranks/draw/packed_drawing.hpp"
 
-#include <cstring>
 #include <span>
-#include <string_view>
-#include <type_traits>
+
+#include "ranks/draw/packing.hpp"
 
 namespace scancast {
 namespace {
-
-class Packer {
-  public:
-    template <class T>
-    void put(const T& value) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        putBytes(&value, sizeof value);
-    }
-    template <class T>
-    void putAll(std::span<const T> values) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        put(std::uint64_t(values.size()));
-        putBytes(values.data(), values.size_bytes());
-    }
-    void putText(std::string_view text) { putAll(std::span<const char>(text)); }
-    RankBytes bytes;
-
-  private:
-    void putBytes(const void* from, std::size_t size) {
-        const std::size_t at = bytes.size();
-        bytes.resize(at + size);
-        if (size > 0) std::memcpy(bytes.data() + at, from, size);
-    }
-};
-
-class Unpacker {
-  public:
-    explicit Unpacker(std::span<const std::byte> bytes) : left_(bytes) {}
-
-    template <class T>
-    void get(T& value) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        getBytes(&value, sizeof value);
-    }
-    template <class T>
-    void getAll(std::vector<T>& values) {
-        std::uint64_t count = 0;
-        get(count);
-        if (count > left_.size() / sizeof(T)) return fail();
-        values.resize(count);
-        getBytes(values.data(), count * sizeof(T));
-    }
-    void getText(std::string& text) {
-        std::vector<char> all;
-        getAll(all);
-        text.assign(all.begin(), all.end());
-    }
-    /// Everything that was asked for was there, and nothing else.
-    bool sound() const { return !failed_ && left_.empty(); }
-    bool failed() const { return failed_; }
-    void fail() { failed_ = true; }
-
-  private:
-    void getBytes(void* to, std::size_t size) {
-        if (size > left_.size()) return fail();
-        if (size > 0) std::memcpy(to, left_.data(), size);
-        left_ = left_.subspan(size);
-    }
-    std::span<const std::byte> left_;
-    bool failed_ = false;
-};
 
 /// Of a run, what devices look at.
 struct PackedRun {
@@ -77,7 +15,7 @@ struct PackedRun {
 
 /// Of a drawing, what is a value.
 struct PackedFlags {
-    bool surfels, oriented, orientedNodes, curvatures, depth, sun;
+    std::uint8_t surfels, oriented, orientedNodes, curvatures, depth, sun;  // 0 or 1
     std::uint32_t cuts;
     ColorRule color;
     Background background;
@@ -88,11 +26,11 @@ void pack(const CutView& view, Packer& out) {
     out.put(view.viewpoint);
     out.put(view.filter.classes);
     out.put(view.filter.clip);
-    out.put(view.filter.outliers);
+    out.putFlag(view.filter.outliers);
     out.putAll(std::span<const Region>(view.filter.dropped));
     out.put(view.glass);
     out.put(view.cut.samples);
-    out.put(view.cut.beside);
+    out.putFlag(view.cut.beside);
     std::vector<PackedRun> runs;
     runs.reserve(view.cut.runs.size());
     for (const CutRun& run : view.cut.runs) runs.push_back({run.nodeIndex, run.firstOrdinal, run.share});
@@ -103,11 +41,11 @@ void unpack(Unpacker& in, CutView& view) {
     in.get(view.viewpoint);
     in.get(view.filter.classes);
     in.get(view.filter.clip);
-    in.get(view.filter.outliers);
+    in.getFlag(view.filter.outliers);
     in.getAll(view.filter.dropped);
     in.get(view.glass);
     in.get(view.cut.samples);
-    in.get(view.cut.beside);
+    in.getFlag(view.cut.beside);
     std::vector<PackedRun> runs;
     in.getAll(runs);
     for (const PackedRun& packed : runs) {
@@ -124,9 +62,10 @@ RankBytes packDrawing(const CloudPlace& cloud, const Drawing& drawing) {
     Packer out;
     out.putText(cloud.path);
     out.putText(cloud.revision);
-    out.put(PackedFlags{drawing.surfels, drawing.oriented, drawing.orientedNodes, drawing.curvatures,
-                        drawing.depth, drawing.sun != nullptr, std::uint32_t(drawing.cuts.size()),
-                        drawing.color, drawing.background, drawing.window});
+    out.put(PackedFlags{
+        std::uint8_t(drawing.surfels), std::uint8_t(drawing.oriented), std::uint8_t(drawing.orientedNodes),
+        std::uint8_t(drawing.curvatures), std::uint8_t(drawing.depth), std::uint8_t(drawing.sun != nullptr),
+        std::uint32_t(drawing.cuts.size()), drawing.color, drawing.background, drawing.window});
     out.putAll(drawing.passes);
     out.putAll(drawing.jitter);
     for (const CutView& view : drawing.cuts) pack(view, out);
@@ -141,10 +80,13 @@ Expected<std::unique_ptr<UnpackedDrawing>> unpackDrawing(std::span<const std::by
     in.getText(out->cloud.revision);
     PackedFlags flags{};
     in.get(flags);
+    for (const std::uint8_t flag :
+         {flags.surfels, flags.oriented, flags.orientedNodes, flags.curvatures, flags.depth, flags.sun})
+        if (flag > 1) in.fail();
     in.getAll(out->passes);
     in.getAll(out->jitter);
     for (std::uint32_t i = 0; i < flags.cuts && !in.failed(); ++i) unpack(in, out->cuts.emplace_back());
-    if (flags.sun && !in.failed()) unpack(in, out->sun.emplace());
+    if (flags.sun != 0 && !in.failed()) unpack(in, out->sun.emplace());
     for (const Pass& pass : out->passes)
         if (pass.index() >= std::variant_size_v<Pass>) in.fail();
     if (!in.sound() || out->cuts.empty())
@@ -153,11 +95,11 @@ Expected<std::unique_ptr<UnpackedDrawing>> unpackDrawing(std::span<const std::by
     Drawing& d = out->drawing;
     d.cuts = out->cuts;
     if (out->sun) d.sun = &*out->sun;
-    d.surfels = flags.surfels;
-    d.oriented = flags.oriented;
-    d.orientedNodes = flags.orientedNodes;
-    d.curvatures = flags.curvatures;
-    d.depth = flags.depth;
+    d.surfels = flags.surfels != 0;
+    d.oriented = flags.oriented != 0;
+    d.orientedNodes = flags.orientedNodes != 0;
+    d.curvatures = flags.curvatures != 0;
+    d.depth = flags.depth != 0;
     d.color = flags.color;
     d.background = flags.background;
     d.window = flags.window;

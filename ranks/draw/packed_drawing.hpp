@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "protocol/error.hpp"
-#include "ranks/mpi/communicator.hpp"
+#include "ranks/mpi/rank_bytes.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/device/device.hpp"
 #include "renderer/residency/node_share.hpp"

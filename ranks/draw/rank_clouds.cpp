@@ -149,6 +149,18 @@ void OpenedClouds::openWithFirst() try {
     MpiSession::abortAll(fmt::format("A rank cannot open clouds with the others: {}", e.what()));
 }
 
+Expected<std::uint64_t> OpenedClouds::openOnAll(const RankBytes& words) {
+    RankBytes message = words;
+    const std::vector<std::string> named = wordsOf(words);
+    if (named.size() < 2)
+        return fail(ErrorCode::Internal, "What ranks were told to open is no file; are all of one version?");
+    if (auto ok = opening_.broadcast(message); !ok) MpiSession::abortAll(ok.error().message);
+    if (auto opened = opening_.agree(open(named)); !opened) return passOn(opened);
+    const auto cloud = find({named[0], named[1]});
+    if (!cloud) return passOn(cloud);
+    return (*cloud)->octree.store().capacity() * share_.of;
+}
+
 Expected<std::shared_ptr<const Cloud>> OpenedClouds::find(const CloudPlace& place) {
     const std::scoped_lock lock(mutex_);
     if (const auto known = clouds_.find(keyOf(place)); known != clouds_.end()) return known->second;

@@ -1,6 +1,7 @@
 // The clouds of ranks that draw together. At rank 0, as the server opens them: of each cloud file that all ranks have opened the
 // samples of rank 0's share; what some rank does not have, rank 0 has whole and draws alone. At the others: what rank 0 opens, at the
-// same moment, by its path and revision; the share's samples are loaded as drawings need them.
+// same moment, by its path and revision; the share's samples are loaded as drawings need them. Behind a front (ranks/front/) rank 0 is
+// as the others.
 //
 // *Thread safety*: all functions may be called from any thread, but openWithFirst(), which has one of its own.
 #pragma once
@@ -75,6 +76,10 @@ class OpenedClouds {
 
     /// Opens what rank 0 opens, and closes what it no longer has, until it lets go. What MPI does not like ends all ranks.
     void openWithFirst();
+    /// At a first rank that has no cloud of its own, in place of it: has all open what the words name - a path and a revision, then
+    /// those of everything that is still wanted, each ended by a 0. How many samples of it all may hold together for one picture.
+    /// Errors: why one of them cannot open it. What MPI does not like ends all ranks.
+    Expected<std::uint64_t> openOnAll(const RankBytes& words);
     /// The share's samples of all cuts, in memory as long as the drawing lives. Waits for them. Errors: InvalidArgument where
     /// the cloud is none that was opened; the block's, where one is damaged.
     Expected<void> provide(UnpackedDrawing& drawing);

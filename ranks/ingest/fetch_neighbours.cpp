@@ -10,9 +10,6 @@ namespace scancast {
 
 namespace {
 
-/// RankBytes that all ranks together may send one in a round, but for the last node of each.
-constexpr std::uint64_t bytesOfSampleRound = std::uint64_t(64) << 20;
-
 /// Numbers of others' nodes near this rank's, by who owns them, each once.
 std::vector<std::vector<std::uint32_t>> wantedFrom(NumberedTree& tree, std::span<BuildNode* const> own,
                                                    const Communicator& ranks) {
@@ -46,7 +43,7 @@ Expected<void> takeSamples(std::span<const std::byte> bytes, NumberedTree& tree,
 }  // namespace
 
 Expected<void> fetchNeighbours(NumberedTree& tree, std::span<BuildNode* const> own, const BlockSink& shelf,
-                               Workspace& workspace, const Communicator& ranks) {
+                               Workspace& workspace, std::uint64_t bytesAtOnce, const Communicator& ranks) {
     std::vector<RankBytes> asking;
     for (const auto& numbers : wantedFrom(tree, own, ranks)) {
         BytesOut out;
@@ -62,7 +59,7 @@ Expected<void> fetchNeighbours(NumberedTree& tree, std::span<BuildNode* const> o
         in(wanted[r]);
         if (done) done = in.finish();
     }
-    const std::uint64_t mostForOne = bytesOfSampleRound / unsigned(ranks.size());
+    const std::uint64_t mostForOne = std::max<std::uint64_t>(1, bytesAtOnce / unsigned(ranks.size()));
     std::vector<std::size_t> next(wanted.size());
     for (;;) {
         std::vector<RankBytes> out(wanted.size());

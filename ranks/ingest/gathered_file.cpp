@@ -4,6 +4,7 @@
 #include <array>
 
 #include "ranks/ingest/archive.hpp"
+#include "renderer/cloud/build/progress_meter.hpp"
 
 namespace scancast {
 
@@ -11,6 +12,10 @@ namespace {
 
 constexpr int blocksTag = 2;
 constexpr std::uint64_t pieceBytes = std::uint64_t(4) << 20;
+
+tl::unexpected<Error> abandoned() {
+    return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
+}
 
 /// What rank 0 does not know yet of an inner node that was finished elsewhere.
 template <class Node, class Visit>
@@ -40,19 +45,23 @@ class ShelfStream {
     }
     /// What is left, and of no use: whoever sends it waits for somebody to take it.
     Expected<void> drain() {
-        while (fetched_ < bytes_)
-            if (auto ok = fetch(); !ok) return ok;
+        while (rank_ != 0 && !hasEnded_ && fetched_ < bytes_)
+            if (auto ok = fetch(); !ok && !hasEnded_) return ok;
         return {};
     }
 
   private:
     Expected<void> fetch() {
+        if (hasEnded_) return abandoned();
         if (fetched_ == bytes_) return fail(ErrorCode::Internal, "A rank sent fewer blocks than it has.");
         piece_.resize(std::min(pieceBytes, bytes_ - fetched_));
         at_ = 0;
-        auto got = rank_ == 0 ? own_.read(fetched_, piece_) : ranks_.receive(piece_, rank_, blocksTag);
         fetched_ += piece_.size();
-        return got;
+        if (rank_ == 0) return own_.read(fetched_ - piece_.size(), piece_);
+        const auto got = ranks_.receiveSome(piece_, rank_, blocksTag);
+        if (!got) return passOn(got);
+        hasEnded_ = *got < piece_.size();
+        return hasEnded_ ? abandoned() : Expected<void>();
     }
 
     const int rank_;
@@ -62,6 +71,7 @@ class ShelfStream {
     RankBytes piece_;
     std::size_t at_ = 0;
     std::uint64_t fetched_ = 0;
+    bool hasEnded_ = false;  ///< too early: who sends has given up, and says why when all agree
 };
 
 struct Sizes {
@@ -71,8 +81,13 @@ struct Sizes {
 class Gathering {
   public:
     Gathering(NumberedTree& tree, CloudFileWriter& file, std::vector<ShelfStream>& streams,
-              std::vector<Sizes> sizes)
-        : tree_(tree), file_(file), streams_(streams), sizes_(std::move(sizes)) {}
+              std::vector<Sizes> sizes, ProgressMeter& progress, const std::stop_token& stop)
+        : tree_(tree),
+          file_(file),
+          streams_(streams),
+          sizes_(std::move(sizes)),
+          progress_(progress),
+          stop_(stop) {}
 
     Expected<void> run(std::span<BuildNode* const> inner) {
         std::vector<std::uint64_t> heldAt, leavesAt;
@@ -108,11 +123,10 @@ class Gathering {
 
   private:
     Expected<void> copy(ShelfStream& from, std::uint64_t bytes) {
-        RankBytes piece;
-        for (std::uint64_t done = 0; done < bytes; done += piece.size()) {
-            piece.resize(std::min(pieceBytes, bytes - done));
-            if (auto ok = from.read(piece); !ok) return ok;
-            if (auto place = file_.append(piece); !place) return passOn(place);
+        for (std::uint64_t done = 0; done < bytes; done += block_.size()) {
+            block_.resize(std::min(pieceBytes, bytes - done));
+            if (auto ok = from.read(block_); !ok) return ok;
+            if (auto written = append(); !written) return passOn(written);
         }
         return {};
     }
@@ -121,7 +135,7 @@ class Gathering {
         if (place.bytes == 0) return {};
         block_.resize(place.bytes);
         if (auto ok = from.read(block_); !ok) return ok;
-        auto written = file_.append(block_);
+        auto written = append();
         if (!written) return passOn(written);
         if (written->checksum != place.checksum)
             return fail(ErrorCode::Io,
@@ -130,38 +144,61 @@ class Gathering {
         return {};
     }
 
+    Expected<BlockPlace> append() {
+        if (stop_.stop_requested()) return abandoned();
+        auto written = file_.append(block_);
+        if (written) progress_.add(block_.size());
+        return written;
+    }
+
     NumberedTree& tree_;
     CloudFileWriter& file_;
     std::vector<ShelfStream>& streams_;
     const std::vector<Sizes> sizes_;
+    ProgressMeter& progress_;
+    const std::stop_token& stop_;
     RankBytes block_;
 };
 
 Expected<void> gather(NumberedTree& tree, std::span<BuildNode* const> inner, const BlockShelf& shelf,
-                      std::vector<Sizes> sizes, CloudFileWriter& file, const Communicator& ranks) {
+                      std::vector<Sizes> sizes, CloudFileWriter& file, const GatheringRoom& room) {
     std::vector<ShelfStream> streams;
-    for (int r = 0; r < ranks.size(); ++r) streams.emplace_back(r, sizes[std::size_t(r)].all, shelf, ranks);
-    const auto done = Gathering(tree, file, streams, std::move(sizes)).run(inner);
+    std::uint64_t bytes = 0;
+    for (int r = 0; r < room.ranks.size(); ++r) {
+        streams.emplace_back(r, sizes[std::size_t(r)].all, shelf, room.ranks);
+        bytes += sizes[std::size_t(r)].all;
+    }
+    ProgressMeter writing(room.progress, "writing", bytes, "bytes");
+    const auto done = Gathering(tree, file, streams, std::move(sizes), writing, room.stop).run(inner);
+    if (!done) room.alarm.ring();  // nobody need send what nobody writes
     for (ShelfStream& stream : streams)
         if (auto ok = stream.drain(); !ok && done) return ok;
+    if (done) writing.finish();
     return done;
 }
 
-Expected<void> sendShelf(const BlockShelf& shelf, const Communicator& ranks) {
-    Expected<void> done;
+Expected<void> sendShelf(const BlockShelf& shelf, const GatheringRoom& room) {
     RankBytes piece;
     for (std::uint64_t at = 0; at < shelf.bytes(); at += piece.size()) {
-        piece.assign(std::min(pieceBytes, shelf.bytes() - at), std::byte(0));
-        if (done) done = shelf.read(at, piece);  // what cannot be read is not waited for in vain
-        if (auto ok = ranks.send(piece, 0, blocksTag); !ok) return ok;
+        piece.resize(std::min(pieceBytes, shelf.bytes() - at));
+        const auto read = room.stop.stop_requested() ? abandoned() : shelf.read(at, piece);
+        if (!read) {
+            room.alarm.ring();
+            if (auto ok = room.ranks.sendNothing(0, blocksTag); !ok) return ok;
+            return read;
+        }
+        // Others' shelves may come first; from its first piece on, rank 0 takes this one.
+        const auto pace = at == 0 ? Communicator::Pace::Patient : Communicator::Pace::Brisk;
+        if (auto ok = room.ranks.send(piece, 0, blocksTag, pace); !ok) return ok;
     }
-    return done;
+    return {};
 }
 
 }  // namespace
 
 Expected<void> gatherFile(NumberedTree& tree, std::span<BuildNode* const> inner, const BlockShelf& shelf,
-                          const ShelfParts& parts, CloudFileWriter* file, const Communicator& ranks) {
+                          const ShelfParts& parts, CloudFileWriter* file, const GatheringRoom& room) {
+    const Communicator& ranks = room.ranks;
     BytesOut out;
     out(Sizes{parts.held, parts.leaves, shelf.bytes()});
     for (BuildNode* node : inner)
@@ -182,8 +219,8 @@ Expected<void> gatherFile(NumberedTree& tree, std::span<BuildNode* const> inner,
             if (done) done = one.finish();
     }
     if (auto ok = ranks.agree(done); !ok) return ok;
-    return ranks.agree(ranks.isFirst() ? gather(tree, inner, shelf, std::move(sizes), *file, ranks)
-                                       : sendShelf(shelf, ranks));
+    return ranks.agree(ranks.isFirst() ? gather(tree, inner, shelf, std::move(sizes), *file, room)
+                                       : sendShelf(shelf, room));
 }
 
 }  // namespace scancast

@@ -1,4 +1,8 @@
 // `scancast-ranks ingest`: scans become one cloud file, by several ranks.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
 #include <chrono>
 #include <exception>
 #include <memory>
@@ -27,8 +31,10 @@ struct Prepared {
     std::vector<std::unique_ptr<PointSource>> sources;
 };
 
-Expected<Prepared> prepare(const IngestArguments& arguments, const MpiSession& session, bool speaks,
-                           const std::stop_token& stop) {
+Expected<Prepared> prepare(IngestArguments arguments, MpiSession& session, const std::stop_token& stop) {
+    const bool speaks = session.world().isFirst() && !arguments.quiet;
+    // What has the output's name on other machines is not in the way.
+    if (!session.world().isFirst()) arguments.force = true;
     const auto found = findScans(arguments.inputs, {.cloudFiles = false});
     if (!found) return passOn(found);
     for (const std::string& file : found->files())
@@ -44,11 +50,25 @@ Expected<Prepared> prepare(const IngestArguments& arguments, const MpiSession& s
     auto import = importOptions(arguments, *options);
     if (!import) return passOn(import);
     import->stop = stop;
+    import->looksInParts = true;
     auto sources = openAll(found->files(), *options, *import);
     if (!sources) return passOn(sources);
     if (speaks) tellNeeds(*sources, *options);
     return Prepared{withOwnPart(std::move(*options), session.ranksOnThisMachine()), std::move(*look),
                     std::move(*sources)};
+}
+
+/// What only some ranks have met is told with where, since elsewhere everything looks right.
+Expected<Prepared> agreeWithPlace(Expected<Prepared> mine, const Communicator& world) {
+    std::uint64_t failed = !mine;
+    if (auto ok = world.sum(std::span(&failed, 1)); !ok) return passOn(ok);
+    if (!mine && mine.error().code != ErrorCode::Cancelled && failed < unsigned(world.size())) {
+        std::array<char, 256> machine{};
+        (void)::gethostname(machine.data(), machine.size() - 1);
+        mine.error().message = fmt::format("Rank {} of {}, on {}: {}", world.rank(), world.size(),
+                                           machine.data(), mine.error().message);
+    }
+    return world.agree(std::move(mine));
 }
 
 /// All ranks. What one throws nobody waits for: it ends them all.
@@ -59,8 +79,7 @@ Expected<IngestReport> ingestByRanks(const IngestArguments& arguments, MpiSessio
     std::stop_source work;
     const std::stop_callback stopWork(interrupted, [&] { work.request_stop(); });
     Alarm alarm(world, work);
-    auto prepared =
-        world.agree(prepare(arguments, session, world.isFirst() && !arguments.quiet, work.get_token()));
+    auto prepared = agreeWithPlace(prepare(arguments, session, work.get_token()), world);
     if (!prepared) return passOn(prepared);
     look = std::move(prepared->look);
     return ingestTogether(std::move(prepared->sources), prepared->options,

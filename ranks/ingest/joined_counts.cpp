@@ -18,13 +18,6 @@ Expected<void> unpack(std::span<const std::byte> bytes, StagedScan& scan) {
     return in.finish();
 }
 
-RankBytes pack(const CountingGrid& grid) {
-    BytesOut out;
-    out(grid.frame().cellLevel);
-    out(grid.cells());
-    return out.take();
-}
-
 }  // namespace
 
 Expected<void> joinStaged(StagedScan& scan, const Communicator& ranks) {
@@ -41,28 +34,35 @@ Expected<void> joinStaged(StagedScan& scan, const Communicator& ranks) {
     return ranks.agree(unpack(all, scan));
 }
 
-Expected<JoinedCells> joinCounts(CountingGrid mine, const GridBox& box, const Communicator& ranks) {
-    const auto join = [&](std::span<const std::byte> bytes) -> Expected<void> {
+Expected<OrderedCells> joinCounts(CountingGrid mine, const GridBox& box, const Communicator& ranks) {
+    // The whole needs no finer cells than any of its parts.
+    std::uint64_t coarsest = std::uint64_t(mine.frame().cellLevel);
+    if (auto ok = ranks.max(std::span(&coarsest, 1)); !ok) return passOn(ok);
+    mine.coarsenTo(int(coarsest));
+    OrderedCells all{.frame = mine.frame(), .cells = mine.cells()};
+    const auto pack = [&] {
+        BytesOut out;
+        out(all.frame);
+        out(all.cells);
+        return out.take();
+    };
+    const auto unpack = [](std::span<const std::byte> bytes, OrderedCells& cells) {
         BytesIn in(bytes);
-        const int cellLevel = in.get<int>();
-        std::vector<CountedCell> cells;
-        in(cells);
-        if (auto ok = in.finish(); !ok) return ok;
-        mine.join(CountingGrid::of(box, cellLevel, cells));
+        in(cells.frame);
+        in(cells.cells);
+        return in.finish();
+    };
+    const auto join = [&](std::span<const std::byte> bytes) -> Expected<void> {
+        OrderedCells theirs;
+        if (auto ok = unpack(bytes, theirs); !ok) return ok;
+        all = joined(std::move(all), std::move(theirs), box);
         return {};
     };
-    if (auto ok = ranks.join([&] { return pack(mine); }, join); !ok) return passOn(ok);
-    JoinedCells joined{.frame = mine.frame(), .cells = mine.cells()};
-    BytesOut out;
-    out(joined.frame);
-    out(joined.cells);
-    RankBytes all = ranks.isFirst() ? out.take() : RankBytes();
-    if (auto ok = ranks.broadcast(all); !ok) return passOn(ok);
-    BytesIn in(all);
-    in(joined.frame);
-    in(joined.cells);
-    if (auto ok = in.finish(); !ok) return passOn(ok);
-    return joined;
+    if (auto ok = ranks.join(pack, join); !ok) return passOn(ok);
+    RankBytes bytes = ranks.isFirst() ? pack() : RankBytes();
+    if (auto ok = ranks.broadcast(bytes); !ok) return passOn(ok);
+    if (auto ok = ranks.agree(unpack(bytes, all)); !ok) return passOn(ok);
+    return all;
 }
 
 Expected<void> joinSketch(ValueSketch& sketch, const Communicator& ranks) {

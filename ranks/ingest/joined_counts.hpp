@@ -3,7 +3,7 @@
 #pragma once
 
 #include "ranks/mpi/communicator.hpp"
-#include "renderer/cloud/build/chunks/counting_grid.hpp"
+#include "renderer/cloud/build/chunks/ordered_cells.hpp"
 #include "renderer/cloud/build/chunks/staging.hpp"
 
 namespace scancast {
@@ -11,11 +11,7 @@ namespace scancast {
 /// `scan` keeps its own batches; all else in it becomes what it would be if it had staged everybody's points.
 Expected<void> joinStaged(StagedScan& scan, const Communicator& ranks);
 
-struct JoinedCells {
-    CellFrame frame;
-    std::vector<CountedCell> cells;  ///< ordered by key
-};
-Expected<JoinedCells> joinCounts(CountingGrid mine, const GridBox& box, const Communicator& ranks);
+Expected<OrderedCells> joinCounts(CountingGrid mine, const GridBox& box, const Communicator& ranks);
 
 /// At rank 0, `sketch` becomes that of everybody's values.
 Expected<void> joinSketch(ValueSketch& sketch, const Communicator& ranks);

@@ -24,6 +24,26 @@ namespace scancast {
 
 namespace {
 
+/// What a rank may hold of others' in a round: in all, three times as much (point_rounds.hpp).
+constexpr std::uint64_t mostOfRound = std::uint64_t(64) << 20, partOfRound = 48, roundsHeld = 3;
+
+struct RankMemory {
+    MemoryShares shares;
+    std::uint64_t round = 0;
+};
+
+/// Rounds as the rank with the least memory can have them.
+Expected<RankMemory> shareMemoryOfRank(std::uint64_t limit, const IngestOptions& options,
+                                       const RankRoom& room) {
+    RankMemory memory{.shares = shareMemory(limit, options.threads, options.shape),
+                      .round = std::min({mostOfRound, limit / partOfRound, room.mostInRound})};
+    if (auto ok = room.ranks.min(std::span(&memory.round, 1)); !ok) return passOn(ok);
+    std::uint64_t& waiting = memory.shares.workspace;
+    if (room.ranks.size() > 1) waiting -= std::min(waiting, roundsHeld * memory.round);
+    waiting = std::min(waiting, room.mostWaiting);
+    return memory;
+}
+
 /// Rank 0's; elsewhere null. All ranks hear why not.
 Expected<std::unique_ptr<CloudFileWriter>> createFile(const IngestOptions& options,
                                                       const Communicator& ranks) {
@@ -34,15 +54,17 @@ Expected<std::unique_ptr<CloudFileWriter>> createFile(const IngestOptions& optio
 
 class RankIngest {
   public:
-    RankIngest(const IngestOptions& options, const RankRoom& room, const MemoryShares& memory,
-               const ProgressSink& progress, const std::stop_token& stop)
+    /// `file`: rank 0's, else null.
+    RankIngest(const IngestOptions& options, const RankRoom& room, const RankMemory& memory,
+               CloudFileWriter* file, const ProgressSink& progress, const std::stop_token& stop)
         : options_(options),
           ranks_(room.ranks),
           alarm_(room.alarm),
           memory_(memory),
+          file_(file),
           progress_(progress),
           stop_(stop),
-          workspace_(memory.workspace, scratchFolder(options)),
+          workspace_(memory.shares.workspace, scratchFolder(options)),
           shelf_(workspace_) {}
 
     Expected<IngestReport> run(SharedScans scans) {
@@ -57,10 +79,17 @@ class RankIngest {
             completeFacts(cloud.facts, plan_.input, cloud.octree);
             report = finishFile(std::move(cloud), options_, *file_, stop_);
         }
-        report = agreed(std::move(report));
+        const auto all = agreed(report);
         std::array<std::uint64_t, 1> scratch{workspace_.mostOnDisk()};
-        if (auto ok = ranks_.sum(scratch); !ok) return passOn(ok);
+        Expected<void> summed;
+        if (all)
+            summed = ranks_.sum(scratch);
+        else
+            summed = passOn(all);
         if (report) report->scratchBytes = scratch[0];
+        // What has its name is there, whatever others have met since.
+        if (file_ && report) return report;
+        if (!summed) return passOn(summed);
         return report;
     }
 
@@ -84,8 +113,8 @@ class RankIngest {
         takeTold(scans.source(), scan_);
         header_.scannerOrigin = scans.scannerOrigin();  // known for certain only now
         if (auto ok = joinStaged(scan_, ranks_); !ok) return ok;
-        if (auto ok = settleStaged(scan_); !ok) return ok;
-        auto plan = planBuild(scan_, header_, options_.shape);
+        if (auto ok = agreed(settleStaged(scan_)); !ok) return ok;
+        auto plan = agreed(planBuild(scan_, header_, options_.shape));
         if (!plan) return passOn(plan);
         plan_ = std::move(*plan);
         return {};
@@ -105,8 +134,8 @@ class RankIngest {
             parts.held = shelf_.bytes();
             return decideTogether(grown, facets, patches, borders, input.upIsZ, ranks_);
         };
-        const auto sure = agreed(
-            growTree(std::move(*chunks), input, memory_.lanes, workspace_, &shelf_, sides, progress_, stop_));
+        const auto sure = agreed(growTree(std::move(*chunks), input, memory_.shares.lanes, workspace_,
+                                          &shelf_, sides, progress_, stop_));
         if (!sure) return passOn(sure);
         parts.leaves = shelf_.bytes();
         std::array<std::uint64_t, 2> sureness{sure->points, sure->sure};
@@ -117,11 +146,8 @@ class RankIngest {
         const std::vector<BuildNode*> inner = innerNodes(root);
         ValueSketch curvatures;
         if (auto ok = finishOwn(tree, root, inner, curvatures); !ok) return passOn(ok);
-        // Only now: where a rank is killed before, there is nothing that nobody is left to remove.
-        auto file = createFile(options_, ranks_);
-        if (!file) return passOn(file);
-        file_ = std::move(*file);
-        if (auto ok = gatherFile(tree, inner, shelf_, parts, file_.get(), ranks_); !ok) return passOn(ok);
+        const GatheringRoom room{.ranks = ranks_, .alarm = alarm_, .progress = progress_, .stop = stop_};
+        if (auto ok = gatherFile(tree, inner, shelf_, parts, file_, room); !ok) return passOn(ok);
         if (!file_) return BuiltOctree();
         BuiltOctree octree = numberTree(root, input, true, curvatures);
         octree.sure = SureCount{sureness[0], sureness[1]}.share();
@@ -147,8 +173,10 @@ class RankIngest {
         top = divideTop(layout.root, root, owners);
 
         ProgressMeter sorting(progress_, "sorting", pointsOf(scan_));
-        auto chunks =
-            pointsToOwners(portions, layout, owners, chunking.rowBytes, workspace_, ranks_, sorting, stop_);
+        auto chunks = pointsToOwners(
+            portions, layout, owners, chunking.rowBytes,
+            {.ranks = ranks_, .alarm = alarm_, .workspace = workspace_, .bytes = memory_.round}, sorting,
+            stop_);
         if (!chunks) return chunks;
         sorting.finish();
         scan_.batches.clear();
@@ -171,7 +199,8 @@ class RankIngest {
         for (BuildNode* node : inner)
             if (tree.ownerOf(tree.numberOf(*node)) == ranks_.rank()) own.push_back(node);
         if (input.shape.surfels)
-            if (auto ok = fetchNeighbours(tree, own, shelf_, workspace_, ranks_); !ok) return ok;
+            if (auto ok = fetchNeighbours(tree, own, shelf_, workspace_, memory_.round, ranks_); !ok)
+                return ok;
         Expected<void> done = finishInnerNodes(own, root, input, &shelf_, curvatures, progress_, stop_);
         if (done && root.isLeaf() && tree.ownerOf(0) == ranks_.rank())
             done = addLeafCurvatures(root, input, &shelf_, curvatures);
@@ -182,12 +211,12 @@ class RankIngest {
     const IngestOptions& options_;
     const Communicator& ranks_;
     Alarm& alarm_;
-    const MemoryShares memory_;
+    const RankMemory memory_;
+    CloudFileWriter* const file_;
     const ProgressSink& progress_;
     const std::stop_token& stop_;
     Workspace workspace_;
     BlockShelf shelf_;
-    std::unique_ptr<CloudFileWriter> file_;  ///< rank 0's, at the end
     ScanHeader header_;
     StagedScan scan_;
     BuildPlan plan_;
@@ -224,9 +253,15 @@ Expected<IngestReport> begin(std::vector<std::unique_ptr<PointSource>> sources, 
     if (!scans) return passOn(scans);
     if (auto ok = ranks.agree(checkRoom(scans->source(), scans->pointsToRead(), options, room)); !ok)
         return passOn(ok);
-    // Whether it could be written is told now.
-    if (auto file = createFile(options, ranks); !file) return passOn(file);
-    RankIngest ingest(options, room, shareMemory(*limit, options.threads, options.shape), progress, stop);
+    const auto memory = shareMemoryOfRank(*limit, options, room);
+    if (!memory) return passOn(memory);
+    const auto file = createFile(options, ranks);
+    if (!file) return passOn(file);
+    // Who is told to end has a second: mpirun kills what has not ended by then.
+    const std::stop_callback withdrawing(stop, [&] {
+        if (*file) (*file)->withdraw();
+    });
+    RankIngest ingest(options, room, *memory, file->get(), progress, stop);
     auto report = ingest.run(std::move(*scans));
     if (report)
         report->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -12,6 +12,7 @@
 #include "ranks/mpi/alarm.hpp"
 #include "ranks/mpi/communicator.hpp"
 #include "renderer/cloud/build/ingest.hpp"
+#include "renderer/cloud/build/workspace.hpp"
 
 namespace scancast {
 
@@ -19,13 +20,19 @@ struct RankRoom {
     const Communicator& ranks;
     Alarm& alarm;
     int onThisMachine = 1;  ///< ranks that share its memory, cores and disk
+    /// No more waits in memory than this, whatever the limit: tests have points on disk without a gigabyte of them.
+    std::uint64_t mostWaiting = Workspace::unlimited;
+    /// Nor is more sent at once: tests have many rounds of few points.
+    std::uint64_t mostInRound = Workspace::unlimited;
 };
 
 /// Threads and memory limit of this rank, where the options leave them open: its part of the machine's.
 IngestOptions withOwnPart(IngestOptions options, int onThisMachine);
 
 /// `sources`: the same on all ranks, opened for their headers. `options.memoryLimit` is this rank's. The report is complete at rank 0;
-/// `progress` is of this rank's own share. Errors: ingest()'s, the same on all ranks, whoever failed; and no file is left.
+/// `progress` is of this rank's own share. The output's name is locked from the start, by rank 0. Errors: ingest()'s, the same on all
+/// ranks, whoever failed; and no file is left: when `stop` is requested, the unfinished one loses its name at once, whatever rank 0 is
+/// doing then.
 Expected<IngestReport> ingestTogether(std::vector<std::unique_ptr<PointSource>> sources,
                                       const IngestOptions& options, const RankRoom& room,
                                       const ProgressSink& progress, std::stop_token stop);

@@ -7,6 +7,8 @@
 #include "ranks/ingest/archive.hpp"
 #include "renderer/cloud/exact_scan.hpp"
 #include "renderer/cloud/forwarding_source.hpp"
+#include "renderer/cloud/import/las/las_reader.hpp"
+#include "server/server.hpp"
 
 namespace scancast {
 
@@ -23,7 +25,10 @@ struct ToldByScan {
 class ShareOfScan final : public ForwardingSource {
   public:
     ShareOfScan(std::unique_ptr<PointSource> source, const ReadingShare& share)
-        : ForwardingSource(std::move(source)), share_(share), header_(this->source().header()) {
+        : ForwardingSource(std::move(source)),
+          share_(share),
+          header_(this->source().header()),
+          hasParts_(this->source().hasParts()) {
         if (share_.reads() && !share_.all) this->source().readPart(share_.first, share_.count);
     }
 
@@ -42,6 +47,12 @@ class ShareOfScan final : public ForwardingSource {
     std::vector<Station> stations() const override { return told_ ? told_->stations : source().stations(); }
 
     const ReadingShare& share() const { return share_; }
+    /// Several ranks may have read it, and what is an error of the whole is none of a part's.
+    Expected<void> checkWhole(const std::string& name) const {
+        const std::uint64_t points = header_.points.value_or(0);
+        if (share_.all || !hasParts_ || points == 0 || droppedPoints() < points) return {};
+        return tl::unexpected(noFinitePoint(name, points));
+    }
     void hear(ToldByScan told) {
         header_.scannerOrigin = told.scanner;
         told_ = std::move(told);
@@ -50,6 +61,7 @@ class ShareOfScan final : public ForwardingSource {
   private:
     const ReadingShare share_;
     ScanHeader header_;
+    const bool hasParts_;
     std::optional<ToldByScan> told_;  ///< by all who read of it
 };
 
@@ -57,31 +69,85 @@ namespace {
 
 constexpr const char* otherFiles =
     "The ranks do not see the same scans: each needs all files, the same ones, under the same names.";
+constexpr const char* otherOptions =
+    "The ranks were not started alike: each needs the same version of the program, and the same options.";
 
-/// Everything that the shares depend on.
+template <class T>
+void pack(const std::optional<T>& value, BytesOut& out) {
+    out(value.has_value());
+    if (value) out(*value);
+}
+
+/// Everything that is known of the scans before they are read: shares, merging and the shape of rows depend on it, and other files of the
+/// same names differ in it.
 RankBytes signatureOf(const std::vector<std::unique_ptr<PointSource>>& sources) {
     BytesOut out;
     for (const auto& source : sources) {
         const ScanHeader& h = source->header();
         out(h.format);
-        out(h.points.has_value());
-        out(h.points.value_or(0));
+        pack(h.points, out);
+        for (const bool has : {h.attributes.color, h.attributes.intensity, h.attributes.classification,
+                               h.attributes.normal, h.attributes.nearInfrared})
+            out(has);
         out(h.gridStep);
         out(h.gridOrigin);
+        pack(h.bounds, out);
         out(h.crsWkt);
-        out(std::uint64_t(rowBytes(h.columns)));
+        pack(h.crsEpsg, out);
+        pack(h.scannerOrigin, out);
+        for (const Column& column : h.columns) {
+            out(column.name);
+            out(column.type);
+            out(column.scale);
+            out(column.offset);
+        }
         out(source->hasParts());
+        out(source->wantsToBeSeen());
         out(std::uint64_t(source->photos().size()));
     }
     return out.take();
 }
 
-Expected<void> checkSameScans(const std::vector<std::unique_ptr<PointSource>>& sources,
-                              const Communicator& ranks) {
-    const RankBytes mine = signatureOf(sources);
+/// Everything of the options that decides what is built.
+RankBytes signatureOf(const IngestOptions& options) {
+    BytesOut out;
+    out(std::string(scancastVersion()));
+    const OctreeShape& shape = options.shape;
+    for (const bool is : {shape.surfels, shape.curvature, shape.exact, options.photos}) out(is);
+    out(shape.leafPoints);
+    out(shape.chunkPoints);
+    out(shape.neighbours);
+    out(shape.orientation);
+    return out.take();
+}
+
+/// What only all points of a file tell: each rank looks at its part.
+Expected<void> seeTogether(std::span<const std::unique_ptr<PointSource>> sources, const Communicator& ranks) {
+    std::vector<std::uint64_t> highest;
+    Expected<void> done;
+    for (const auto& source : sources) {
+        if (!source->wantsToBeSeen() || !done) continue;
+        const ReadableScan scan{.points = source->header().points, .hasParts = source->hasParts()};
+        const ReadingShare share = shareReading(std::span(&scan, 1), ranks.rank(), ranks.size()).front();
+        const auto seen = source->lookAt(share.first, share.count);
+        if (seen)
+            highest.push_back(*seen);
+        else
+            done = passOn(seen);
+    }
+    if (auto ok = ranks.agree(done); !ok) return ok;
+    if (highest.empty()) return {};  // the same on all ranks
+    if (auto ok = ranks.max(highest); !ok) return ok;
+    std::size_t next = 0;
+    for (const auto& source : sources)
+        if (source->wantsToBeSeen()) source->hasSeen(std::uint16_t(highest[next++]));
+    return {};
+}
+
+Expected<void> checkSame(const RankBytes& mine, const char* otherwise, const Communicator& ranks) {
     RankBytes first = mine;
     if (auto ok = ranks.broadcast(first); !ok) return ok;
-    return ranks.agree(first == mine ? Expected<void>() : fail(ErrorCode::InvalidArgument, otherFiles));
+    return ranks.agree(first == mine ? Expected<void>() : fail(ErrorCode::InvalidArgument, otherwise));
 }
 
 void pack(const Station& station, BytesOut& out) {
@@ -107,7 +173,9 @@ Station unpackStation(BytesIn& in) {
 
 Expected<SharedScans> SharedScans::create(std::vector<std::unique_ptr<PointSource>> sources,
                                           const IngestOptions& options, const Communicator& ranks) {
-    if (auto ok = checkSameScans(sources, ranks); !ok) return passOn(ok);
+    if (auto ok = checkSame(signatureOf(options), otherOptions, ranks); !ok) return passOn(ok);
+    if (auto ok = checkSame(signatureOf(sources), otherFiles, ranks); !ok) return passOn(ok);
+    if (auto ok = seeTogether(sources, ranks); !ok) return passOn(ok);
     const bool onOneGrid = shareOneGrid(sources);
     std::vector<ReadableScan> readable;
     for (const auto& source : sources)
@@ -115,13 +183,14 @@ Expected<SharedScans> SharedScans::create(std::vector<std::unique_ptr<PointSourc
             {source->header().points, source->hasParts(), options.photos && !source->photos().empty()});
     const auto shares = shareReading(readable, ranks.rank(), ranks.size());
     SharedScans shared;
+    shared.names_ = options.names;
     for (std::size_t i = 0; i < sources.size(); ++i) {
         shared.pointsToRead_ += shares[i].all ? sources[i]->header().points.value_or(0) : shares[i].count;
         auto share = std::make_unique<ShareOfScan>(std::move(sources[i]), shares[i]);
         shared.shares_.push_back(share.get());
         sources[i] = std::move(share);
     }
-    auto many = manyScansInPart(std::move(sources), options.names);
+    auto many = ranks.agree(manyScansInPart(std::move(sources), options.names));
     if (!many) return passOn(many);
     shared.many_ = many->get();
     shared.source_ = std::move(*many);
@@ -137,13 +206,13 @@ Expected<void> SharedScans::hearOthers(const Communicator& ranks) {
         out(std::uint64_t(i));
         out(scan.droppedPoints());
         out(many_->seen()[i]);
+        const auto notes = scan.notes();
+        out(std::uint64_t(notes.size()));
+        for (const std::string& note : notes) out(note);
         out(scan.share().tells());
         if (!scan.share().tells()) continue;
         out(scan.header().scannerOrigin.has_value());
         out(scan.header().scannerOrigin.value_or(glm::dvec3(0)));
-        const auto notes = scan.notes();
-        out(std::uint64_t(notes.size()));
-        for (const std::string& note : notes) out(note);
         const auto stations = scan.stations();
         out(std::uint64_t(stations.size()));
         for (const Station& station : stations) pack(station, out);
@@ -165,12 +234,14 @@ Expected<void> SharedScans::hearOthers(const Communicator& ranks) {
         scan.seen.box[0] = glm::min(scan.seen.box[0], seen.box[0]);
         scan.seen.box[1] = glm::max(scan.seen.box[1], seen.box[1]);
         scan.seen.highestInfrared = std::max(scan.seen.highestInfrared, seen.highestInfrared);
+        // What a scan says as a whole all who read of it say alike; what one of them met alone is told, too.
+        for (auto n = in.get<std::uint64_t>(); in.isSound() && n > 0; --n)
+            if (auto note = in.get<std::string>(); std::ranges::find(scan.notes, note) == scan.notes.end())
+                scan.notes.push_back(std::move(note));
         if (!in.get<bool>()) continue;
         const bool hasScanner = in.get<bool>();
         const auto scanner = in.get<glm::dvec3>();
         if (hasScanner) scan.scanner = scanner;
-        for (auto n = in.get<std::uint64_t>(); in.isSound() && n > 0; --n)
-            scan.notes.push_back(in.get<std::string>());
         for (auto n = in.get<std::uint64_t>(); in.isSound() && n > 0; --n)
             scan.stations.push_back(unpackStation(in));
     }
@@ -178,6 +249,7 @@ Expected<void> SharedScans::hearOthers(const Communicator& ranks) {
     for (std::size_t i = 0; i < shares_.size(); ++i) {
         many_->seen()[i] = told[i].seen;
         shares_[i]->hear(std::move(told[i]));
+        if (auto ok = shares_[i]->checkWhole(i < names_.size() ? names_[i] : std::string()); !ok) return ok;
     }
     return many_->judge();
 }

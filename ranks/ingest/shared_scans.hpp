@@ -19,7 +19,7 @@ class SharedScans {
   public:
     /// All ranks call it, with the same sources, opened for their headers. Photos go with the points: scans that have some
     /// to be kept are rank 0's.
-    /// Errors: manyScans()'s; InvalidArgument for ranks that see other files than others do.
+    /// Errors: manyScans()'s; InvalidArgument for ranks that see other files than others do, or were started with other options.
     static Expected<SharedScans> create(std::vector<std::unique_ptr<PointSource>> sources,
                                         const IngestOptions& options, const Communicator& ranks);
 
@@ -30,10 +30,12 @@ class SharedScans {
     /// This rank's, by what headers say.
     std::uint64_t pointsToRead() const { return pointsToRead_; }
 
-    /// All is read, and all ranks call it: source() then says what all of it says. Errors: manyScans()'s at the end of reading.
+    /// All is read, and all ranks call it: source() then says what all of it says. Errors: manyScans()'s at the end of reading, and those
+    /// of whole scans there.
     Expected<void> hearOthers(const Communicator& ranks);
 
   private:
+    std::vector<std::string> names_;
     std::vector<ShareOfScan*> shares_;
     ManyScans* many_ = nullptr;
     std::unique_ptr<PointSource> source_;

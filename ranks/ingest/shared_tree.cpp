@@ -118,25 +118,23 @@ Expected<void> sendAverages(const DividedTop& top, const Communicator& ranks) {
 
 Expected<void> shareTree(const DividedTop& top, const OctreeInput& input, Workspace& workspace,
                          const Communicator& ranks) {
-    BytesOut mine;
-    for (const OwnedTop& owned : top.owned)
-        if (owned.owner == ranks.rank()) packBelow(*owned.node, mine);
-    auto gathered = ranks.gather(mine.take());
-    if (!gathered) return passOn(gathered);
-    RankBytes all;
-    for (RankBytes& one : *gathered) {
-        all.insert(all.end(), one.begin(), one.end());
-        RankBytes().swap(one);
-    }
-    if (auto ok = ranks.broadcast(all); !ok) return ok;
     Expected<void> done;
-    BytesIn in(all);
-    for (const OwnedTop& owned : top.owned) {
-        BuildNode skipped;
-        const bool isOwn = owned.owner == ranks.rank();
-        if (done && !unpackBelow(in, isOwn ? skipped : *owned.node)) done = notUnderstood();
+    for (int teller = 0; teller < ranks.size(); ++teller) {  // no rank has more than one other's at once
+        const bool isOwn = teller == ranks.rank();
+        BytesOut told;
+        for (const OwnedTop& owned : top.owned)
+            if (isOwn && owned.owner == teller) packBelow(*owned.node, told);
+        RankBytes bytes = told.take();
+        if (auto ok = ranks.broadcast(bytes, teller); !ok) return ok;
+        if (isOwn) continue;
+        BytesIn in(bytes);
+        for (const OwnedTop& owned : top.owned) {
+            if (owned.owner != teller || !done) continue;
+            if (!unpackBelow(in, *owned.node)) done = notUnderstood();
+            forEachNode(*owned.node, [&](BuildNode&) { workspace.occupy(bytesOfNode(input)); });
+        }
+        if (done) done = in.finish();
     }
-    if (done) done = in.finish();
     if (auto ok = ranks.agree(done); !ok) return ok;
 
     done = ranks.isFirst() ? fillShared(top, input, workspace, ranks) : sendAverages(top, ranks);

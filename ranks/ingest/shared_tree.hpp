@@ -35,7 +35,8 @@ class NumberedTree {
 
 /// Samples of others' nodes that the surfels of this rank's inner nodes depend on are fetched, in rounds of bounded memory, into their
 /// setAside. All ranks call it. Errors: the workspace's and the shelf's, of any rank.
+/// `bytesAtOnce`, the same on all ranks: so much is sent in a round, and as much comes, but for the last node of each.
 Expected<void> fetchNeighbours(NumberedTree& tree, std::span<BuildNode* const> own, const BlockSink& shelf,
-                               Workspace& workspace, const Communicator& ranks);
+                               Workspace& workspace, std::uint64_t bytesAtOnce, const Communicator& ranks);
 
 }  // namespace scancast

@@ -1,11 +1,11 @@
 #include "ranks/mpi/communicator.hpp"
 
 #include <fmt/format.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <climits>
 #include <optional>
 #include <thread>
 
@@ -15,13 +15,16 @@ namespace {
 
 /// Counts of MPI are ints: what is longer travels in pieces.
 constexpr std::size_t longestPiece = std::size_t(1) << 30;
-/// So long without a pause: an answer that is on its way comes at once.
-constexpr auto patience = std::chrono::microseconds(100);
+/// So long without a pause: an answer that is on its way, or the next picture of somebody who moves, comes at once.
+constexpr auto patience = std::chrono::microseconds(2000);
 constexpr auto longestPause = std::chrono::microseconds(1000);
+/// Bytes on their way come on only while MPI is asked: so long by asking again and again, giving way to who works, then with pauses.
+constexpr auto briskly = std::chrono::milliseconds(5);
+constexpr auto briskPause = std::chrono::microseconds(20);
 /// After an interruption: whoever else was interrupted is about to say so.
 constexpr auto graceOfOthers = std::chrono::milliseconds(400);
-/// Of what join() sends.
-constexpr int joinTag = 32000;
+/// Of what join() sends, and exchange().
+constexpr int joinTag = 32000, exchangeTag = 32001;
 
 Expected<void> judged(int code) {
     if (code == MPI_SUCCESS) return {};
@@ -52,25 +55,59 @@ Communicator::~Communicator() {
     if (!lost_) MPI_Comm_free(&comm_);
 }
 
-Expected<void> Communicator::wait(MPI_Request& request) const {
+Expected<void> Communicator::waitUntil(const std::function<Expected<bool>()>& isDone,
+                                       std::chrono::microseconds patience,
+                                       std::chrono::microseconds longestPause) const {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     std::optional<Clock::time_point> givenUp;
     auto pause = std::chrono::microseconds(10);
     for (;;) {
         if (lost_) return fail(ErrorCode::Cancelled, "Interrupted while ranks waited for each other.");
-        int isDone = 0;
-        if (auto ok = judged(MPI_Test(&request, &isDone, MPI_STATUS_IGNORE)); !ok) return ok;
-        if (isDone) return {};
+        const auto done = isDone();
+        if (!done) return passOn(done);
+        if (*done) return {};
         const auto now = Clock::now();
         if (interrupted_.stop_requested()) {
             if (!givenUp) givenUp = now + graceOfOthers;
             if (now > *givenUp) lost_ = true;
         }
-        if (now - start < patience) continue;
+        if (now - start < patience) {
+            ::sched_yield();
+            continue;
+        }
         std::this_thread::sleep_for(pause);
         pause = std::min(pause * 2, longestPause);
     }
+}
+
+Expected<void> Communicator::wait(std::span<MPI_Request> requests, Pace pace, MPI_Status* statuses) const {
+    const auto isDone = [&]() -> Expected<bool> {
+        int done = 0;
+        if (auto ok = judged(MPI_Testall(int(requests.size()), requests.data(), &done,
+                                         statuses ? statuses : MPI_STATUSES_IGNORE));
+            !ok)
+            return passOn(ok);
+        return done != 0;
+    };
+    return pace == Pace::Brisk ? waitUntil(isDone, briskly, briskPause)
+                               : waitUntil(isDone, patience, longestPause);
+}
+
+Expected<std::size_t> Communicator::waitAny(std::span<MPI_Request> requests,
+                                            std::chrono::microseconds patience) const {
+    int which = MPI_UNDEFINED;
+    const auto isDone = [&]() -> Expected<bool> {
+        int done = 0;
+        if (auto ok =
+                judged(MPI_Testany(int(requests.size()), requests.data(), &which, &done, MPI_STATUS_IGNORE));
+            !ok)
+            return passOn(ok);
+        return done != 0;
+    };
+    if (auto ok = waitUntil(isDone, patience, longestPause); !ok) return passOn(ok);
+    if (which == MPI_UNDEFINED) return fail(ErrorCode::Internal, "A rank waits for what nobody began.");
+    return std::size_t(which);
 }
 
 Expected<void> Communicator::done(int code, MPI_Request& request) const {
@@ -78,10 +115,12 @@ Expected<void> Communicator::done(int code, MPI_Request& request) const {
     return wait(request);
 }
 
-Expected<void> Communicator::send(std::span<const std::byte> bytes, int to, int tag) const {
+Expected<void> Communicator::send(std::span<const std::byte> bytes, int to, int tag, Pace pace) const {
     return inPieces(bytes.size(), [&](std::size_t at, int count) {
         MPI_Request request;
-        return done(MPI_Isend(bytes.data() + at, count, MPI_BYTE, to, tag, comm_, &request), request);
+        if (auto ok = judged(MPI_Isend(bytes.data() + at, count, MPI_BYTE, to, tag, comm_, &request)); !ok)
+            return ok;
+        return wait(std::span(&request, 1), pace);
     });
 }
 
@@ -90,6 +129,24 @@ Expected<void> Communicator::receive(std::span<std::byte> bytes, int from, int t
         MPI_Request request;
         return done(MPI_Irecv(bytes.data() + at, count, MPI_BYTE, from, tag, comm_, &request), request);
     });
+}
+
+Expected<void> Communicator::sendNothing(int to, int tag) const {
+    MPI_Request request;
+    return done(MPI_Isend(nullptr, 0, MPI_BYTE, to, tag, comm_, &request), request);
+}
+
+Expected<std::size_t> Communicator::receiveSome(std::span<std::byte> room, int from, int tag) const {
+    MPI_Request request;
+    if (auto ok = judged(MPI_Irecv(room.data(), int(std::min(longestPiece, room.size())), MPI_BYTE, from, tag,
+                                   comm_, &request));
+        !ok)
+        return passOn(ok);
+    MPI_Status status;
+    if (auto ok = wait(std::span(&request, 1), Pace::Brisk, &status); !ok) return passOn(ok);
+    int count = 0;
+    if (auto ok = judged(MPI_Get_count(&status, MPI_BYTE, &count)); !ok) return passOn(ok);
+    return std::size_t(count);
 }
 
 Expected<void> Communicator::broadcast(std::span<std::byte> bytes, int from) const {
@@ -130,6 +187,14 @@ Expected<std::vector<RankBytes>> Communicator::gather(const RankBytes& mine) con
 }
 
 Expected<std::vector<RankBytes>> Communicator::exchange(const std::vector<RankBytes>& out) const {
+    std::vector<RankBytes> in;
+    const std::vector<std::span<const std::byte>> spans(out.begin(), out.end());
+    if (auto ok = exchange(spans, in); !ok) return passOn(ok);
+    return in;
+}
+
+Expected<void> Communicator::exchange(std::span<const std::span<const std::byte>> out,
+                                      std::vector<RankBytes>& in) const {
     const auto ranks = std::size_t(size_);
     std::vector<std::uint64_t> sending(ranks), coming(ranks);
     for (std::size_t r = 0; r < ranks; ++r) sending[r] = out[r].size();
@@ -138,34 +203,31 @@ Expected<std::vector<RankBytes>> Communicator::exchange(const std::vector<RankBy
             MPI_Ialltoall(sending.data(), 1, MPI_UINT64_T, coming.data(), 1, MPI_UINT64_T, comm_, &request),
             request);
         !ok)
-        return passOn(ok);
-    std::uint64_t outgoing = 0, incoming = 0;
-    std::vector<int> outCounts, outPlaces, inCounts, inPlaces;
+        return ok;
+    // From where it is to where it is wanted: MPI_Alltoallv would have everything in one array, copied on both sides.
+    in.resize(ranks);
+    std::vector<MPI_Request> requests;
     for (std::size_t r = 0; r < ranks; ++r) {
-        outPlaces.push_back(int(std::min<std::uint64_t>(outgoing, INT_MAX)));
-        inPlaces.push_back(int(std::min<std::uint64_t>(incoming, INT_MAX)));
-        outCounts.push_back(int(std::min<std::uint64_t>(sending[r], INT_MAX)));
-        inCounts.push_back(int(std::min<std::uint64_t>(coming[r], INT_MAX)));
-        outgoing += sending[r];
-        incoming += coming[r];
+        if (int(r) == rank_) {
+            in[r].assign(out[r].begin(), out[r].end());
+            continue;
+        }
+        in[r].resize(coming[r]);
+        auto begun = inPieces(coming[r], [&](std::size_t at, int count) {
+            return judged(MPI_Irecv(in[r].data() + at, count, MPI_BYTE, int(r), exchangeTag, comm_,
+                                    &requests.emplace_back()));
+        });
+        if (!begun) return begun;
     }
-    // One that may not would leave the others waiting.
-    std::uint64_t most = std::max(outgoing, incoming);
-    if (auto ok = max(std::span(&most, 1)); !ok) return passOn(ok);
-    if (most > INT_MAX)
-        return fail(ErrorCode::ResourceLimit, "Ranks have more than 2 GiB to say to each other at once.");
-    RankBytes flat(outgoing), got(incoming);
-    for (std::size_t r = 0; r < ranks; ++r)
-        std::copy(out[r].begin(), out[r].end(), flat.begin() + outPlaces[r]);
-    if (auto ok = done(MPI_Ialltoallv(flat.data(), outCounts.data(), outPlaces.data(), MPI_BYTE, got.data(),
-                                      inCounts.data(), inPlaces.data(), MPI_BYTE, comm_, &request),
-                       request);
-        !ok)
-        return passOn(ok);
-    std::vector<RankBytes> in;
-    for (std::size_t r = 0; r < ranks; ++r)
-        in.emplace_back(got.begin() + inPlaces[r], got.begin() + inPlaces[r] + inCounts[r]);
-    return in;
+    for (std::size_t step = 1; step < ranks; ++step) {
+        const std::size_t r = (std::size_t(rank_) + step) % ranks;  // not all to one at first
+        auto begun = inPieces(out[r].size(), [&](std::size_t at, int count) {
+            return judged(MPI_Isend(out[r].data() + at, count, MPI_BYTE, int(r), exchangeTag, comm_,
+                                    &requests.emplace_back()));
+        });
+        if (!begun) return begun;
+    }
+    return wait(requests, Pace::Brisk);
 }
 
 Expected<void> Communicator::join(

@@ -8,6 +8,7 @@
 #include <mpi.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,11 +19,9 @@
 #include <vector>
 
 #include "protocol/error.hpp"
+#include "ranks/mpi/rank_bytes.hpp"
 
 namespace scancast {
-
-/// (Bytes are a picture's, renderer/image/encode.hpp.)
-using RankBytes = std::vector<std::byte>;
 
 class Communicator {
   public:
@@ -37,16 +36,25 @@ class Communicator {
     bool isFirst() const { return rank_ == 0; }
     MPI_Comm handle() const { return comm_; }
 
+    /// Others may be at work for minutes, or they are there and bytes are on their way.
+    enum class Pace { Patient, Brisk };
+
     /// Waits for what a call of MPI's began: at first without a pause, then with longer and longer ones, a millisecond at most.
     /// Errors: MPI's own, as Io; Cancelled some moments after an interruption, and from then on always: MPI may still hold the memory
     /// that was given to it, so the process is to end.
-    Expected<void> wait(MPI_Request& request) const;
+    Expected<void> wait(MPI_Request& request) const { return wait(std::span(&request, 1), Pace::Patient); }
+    /// The same for one of some, of which at least one is under way: which it is. `patience`: so long without a pause.
+    Expected<std::size_t> waitAny(std::span<MPI_Request> requests, std::chrono::microseconds patience) const;
     /// Somebody gave up waiting.
     bool isLost() const { return lost_; }
 
     /// Of any length; `tag` below 32768. The other has to know the length.
-    Expected<void> send(std::span<const std::byte> bytes, int to, int tag) const;
+    Expected<void> send(std::span<const std::byte> bytes, int to, int tag, Pace pace = Pace::Patient) const;
     Expected<void> receive(std::span<std::byte> bytes, int from, int tag) const;
+    Expected<void> sendNothing(int to, int tag) const;
+    /// One message that send() sent in one piece, of 1 GiB at most, into the begin of `room`: its length. The sender is there.
+    /// Where that comes to nothing, sendNothing() says so.
+    Expected<std::size_t> receiveSome(std::span<std::byte> room, int from, int tag) const;
 
     // All ranks call these.
     Expected<void> broadcast(std::span<std::byte> bytes, int from = 0) const;
@@ -58,8 +66,10 @@ class Communicator {
     Expected<void> min(std::span<std::uint64_t> numbers) const { return reduce(numbers, MPI_MIN); }
     /// At rank 0, everybody's bytes in the order of the ranks; elsewhere nothing.
     Expected<std::vector<RankBytes>> gather(const RankBytes& mine) const;
-    /// `out`: what goes to each rank. What came from each, in their order. In all not more than 2 GiB in either direction: who
-    /// has more to say does it in rounds. Errors: also ResourceLimit.
+    /// `out`: what goes to each rank; `in` becomes what came from each, in their order, in the memory that it has as far as that reaches.
+    /// What is under way at once is in nobody's memory limit: who has much to say does it in rounds.
+    Expected<void> exchange(std::span<const std::span<const std::byte>> out,
+                            std::vector<RankBytes>& in) const;
     Expected<std::vector<RankBytes>> exchange(const std::vector<RankBytes>& out) const;
     /// `join` is called with others' bytes, along a tree of ranks, in the same order each time; `mine` is asked for after all of
     /// these. At rank 0 everything has been joined then.
@@ -76,6 +86,11 @@ class Communicator {
     }
 
   private:
+    Expected<void> wait(std::span<MPI_Request> requests, Pace pace, MPI_Status* statuses = nullptr) const;
+    /// `isDone` is asked until it says so, without a pause at first, giving way to who may share the core and is waited for.
+    Expected<void> waitUntil(const std::function<Expected<bool>()>& isDone,
+                             std::chrono::microseconds patience,
+                             std::chrono::microseconds longestPause) const;
     Expected<void> reduce(std::span<std::uint64_t> numbers, MPI_Op op) const;
     Expected<void> done(int code, MPI_Request& request) const;
 

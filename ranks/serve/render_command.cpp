@@ -65,8 +65,9 @@ struct RanksTimes {
         json["bestMs"] = *std::ranges::min_element(whole);
         json["samples"] = frame.stats.samplesDrawn;
         json["method"] = frame.stats.method;
-        json["bytesReducedPerFrame"] = traffic.bytes / whole.size();
-        json["reductionsPerFrame"] = double(traffic.reductions) / double(whole.size());
+        json["bytesSentPerFrame"] = traffic.bytes / whole.size();
+        json["bytesReceivedPerFrame"] = traffic.received / whole.size();
+        json["exchangesPerFrame"] = double(traffic.exchanges) / double(whole.size());
         json["stages"] = nlohmann::ordered_json::array();
         for (const auto& name : order)
             json["stages"].push_back({{"name", name}, {"medianMs", medianOf(stages.at(name))}});

@@ -159,10 +159,12 @@ int serveByRanks(ServeOptions& options, const ServeWith& serve) {
 void addRanksServe(CLI::App& app, int& exitCode) {
     CLI::App* const command = addServeAs(
         app, exitCode,
-        "Serve clouds whose pictures all ranks draw together, each with a share of every cloud in memory. "
-        "Rank 0 has the "
-        "network; every rank needs the cloud files under the same names. Memory and threads are a rank's",
-        serveByRanks);
+        {.description =
+             "Serve clouds whose pictures all ranks draw together, each with a share of every cloud in "
+             "memory. "
+             "Rank 0 has the network; every rank needs the cloud files under the same names. Memory and "
+             "threads are a rank's",
+         .as = serveByRanks});
     command->get_option("FILE")->description(
         "The cloud files to serve, on disk, under the same names on every rank");
     command->footer(

@@ -17,6 +17,11 @@ class ForwardingSource : public PointSource {
     Expected<PointBatch> glance() override { return source_->glance(); }
     bool hasParts() const override { return source_->hasParts(); }
     void readPart(std::uint64_t first, std::uint64_t count) override { source_->readPart(first, count); }
+    bool wantsToBeSeen() const override { return source_->wantsToBeSeen(); }
+    Expected<std::uint16_t> lookAt(std::uint64_t first, std::uint64_t count) override {
+        return source_->lookAt(first, count);
+    }
+    void hasSeen(std::uint16_t highest) override { source_->hasSeen(highest); }
     Expected<bool> read(PointBatch& batch) override { return source_->read(batch); }
     std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
     std::vector<std::string> notes() const override { return source_->notes(); }
@@ -42,6 +47,7 @@ class ClosedSource final : public PointSource {
     explicit ClosedSource(const PointSource& source)
         : header_(source.header()),
           hasParts_(source.hasParts()),
+          wantsToBeSeen_(source.wantsToBeSeen()),
           dropped_(source.droppedPoints()),
           notes_(source.notes()),
           stations_(source.stations()),
@@ -51,6 +57,7 @@ class ClosedSource final : public PointSource {
     const ScanHeader& header() const override { return header_; }
     /// Of what was closed.
     bool hasParts() const override { return hasParts_; }
+    bool wantsToBeSeen() const override { return wantsToBeSeen_; }
     Expected<bool> read(PointBatch& batch) override {
         batch.clear();
         return false;
@@ -63,7 +70,7 @@ class ClosedSource final : public PointSource {
 
   private:
     ScanHeader header_;
-    bool hasParts_ = false;
+    bool hasParts_ = false, wantsToBeSeen_ = false;
     std::uint64_t dropped_ = 0;
     std::vector<std::string> notes_;
     std::vector<Station> stations_;

@@ -188,6 +188,14 @@ class PointSource {
     /// Before the first read(): of the header's points only so many from this one on are to be read, perhaps none. What a part says at
     /// its end is what the whole says, but for points left out; that it has none at all is no error of its. Only where there are parts.
     virtual void readPart(std::uint64_t /*first*/, std::uint64_t /*count*/) {}
+    /// Before the first read(), of a scan whose points mean something that only all of them tell, and which was opened to be looked at in
+    /// parts (ImportOptions::looksInParts): several processes share that pass over the file. lookAt() says what some points tell; hasSeen()
+    /// hears the largest of all that was said. Without it, read() looks at everything first. Only where there are parts.
+    virtual bool wantsToBeSeen() const { return false; }
+    virtual Expected<std::uint16_t> lookAt(std::uint64_t /*first*/, std::uint64_t /*count*/) {
+        return std::uint16_t(0);
+    }
+    virtual void hasSeen(std::uint16_t /*highest*/) {}
     /// Replaces the batch with the next points (at most batchPoints). False at the end: then the batch is
     /// empty and the whole scan was sound. A file that is damaged, truncated or empty ends with an error
     /// instead.

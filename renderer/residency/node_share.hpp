@@ -16,13 +16,9 @@ struct NodeShare {
     std::uint32_t number = 0;  ///< 0 … of - 1
     std::uint32_t of = 1;
 
-    /// By a hash, so that of whatever a view shows everybody has about as much: siblings are far apart.
-    bool has(std::uint32_t node) const {
-        std::uint64_t x = (node + 1) * 0x9e3779b97f4a7c15u;
-        x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-        x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-        return (x >> 32) * of >> 32 == number;
-    }
+    /// In turn, so that siblings, and whatever a view shows, are shared out more evenly than by chance; each 64 nodes the turn is
+    /// another, should only every second child have anything in it.
+    bool has(std::uint32_t node) const { return (node + node / 64) % of == number; }
 };
 
 /// Which cloud file, and where everybody finds it.

@@ -7,6 +7,7 @@
 #include <prometheus/text_serializer.h>
 
 #include <mutex>
+#include <optional>
 
 #include "files/machine.hpp"
 
@@ -108,9 +109,28 @@ double secondsOf(std::chrono::system_clock::time_point time) {
 
 }  // namespace
 
+/// Only of a server that has ranks: who watches others would take 0 for an alarm.
+struct RanksFamilies {
+    explicit RanksFamilies(prometheus::Registry& registry)
+        : up(prometheus::BuildGauge()
+                 .Name("scancast_ranks_up")
+                 .Help("1 while ranks draw; 0 while the server draws without them")
+                 .Register(registry)
+                 .Add({})),
+          restarts(prometheus::BuildCounter()
+                       .Name("scancast_ranks_restarts_total")
+                       .Help("Starts of the ranks after the first one")
+                       .Register(registry)
+                       .Add({})) {}
+
+    prometheus::Gauge& up;
+    prometheus::Counter& restarts;
+};
+
 struct Metrics::Families {
     std::mutex residency;
     prometheus::Registry registry;
+    std::optional<RanksFamilies> ranks;
     prometheus::Family<prometheus::Histogram>& render =
         prometheus::BuildHistogram()
             .Name("scancast_frame_render_seconds")
@@ -302,6 +322,21 @@ struct Metrics::Families {
     prometheus::Counter& piecesInMemory = remotePieces.Add({{"found", "memory"}});
     prometheus::Counter& piecesOnDisk = remotePieces.Add({{"found", "disk"}});
     prometheus::Counter& piecesFetched = remotePieces.Add({{"found", "nowhere"}});
+    prometheus::Counter& brokenPieces = prometheus::BuildCounter()
+                                            .Name("scancast_remote_broken_pieces_total")
+                                            .Help("Pieces in --cache-dir that were not what was saved")
+                                            .Register(registry)
+                                            .Add({});
+    prometheus::Gauge& piecesBytes = prometheus::BuildGauge()
+                                         .Name("scancast_remote_cache_bytes")
+                                         .Help("Pieces of clouds in object storage in --cache-dir")
+                                         .Register(registry)
+                                         .Add({});
+    prometheus::Gauge& piecesLimit = prometheus::BuildGauge()
+                                         .Name("scancast_remote_cache_limit_bytes")
+                                         .Help("What those may take")
+                                         .Register(registry)
+                                         .Add({});
     prometheus::Gauge& remoteAway = prometheus::BuildGauge()
                                         .Name("scancast_remote_clouds_away")
                                         .Help("Clouds in object storage that cannot be fetched now")
@@ -553,7 +588,18 @@ void Metrics::setRemote(const RemoteStats& stats) {
     raise(families_->piecesInMemory, stats.memoryHits);
     raise(families_->piecesOnDisk, stats.diskHits);
     raise(families_->piecesFetched, stats.misses);
+    raise(families_->brokenPieces, stats.brokenPieces);
+    families_->piecesBytes.Set(double(stats.folderBytes));
+    families_->piecesLimit.Set(double(stats.folderLimit));
     families_->remoteAway.Set(double(stats.away));
+}
+
+void Metrics::setRanks(const RanksStats& stats) {
+    const std::lock_guard lock(families_->residency);
+    if (!families_->ranks) families_->ranks.emplace(families_->registry);
+    families_->ranks->up.Set(stats.up ? 1 : 0);
+    const double more = double(stats.restarts) - families_->ranks->restarts.Value();
+    if (more > 0) families_->ranks->restarts.Increment(more);
 }
 
 void Metrics::setKeptClouds(std::uint64_t bytes, std::uint64_t limit, std::uint64_t evicted) {

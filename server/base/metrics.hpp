@@ -58,6 +58,12 @@ enum class LogLine : std::uint8_t {
     Lost,      ///< nobody read the log
 };
 
+/// The ranks behind a front (ranks/front/).
+struct RanksStats {
+    bool up = false;  ///< they draw
+    std::uint64_t restarts = 0;
+};
+
 class Metrics {
   public:
     /// `version` and the names of what was built become labels of scancast_build_info.
@@ -106,6 +112,8 @@ class Metrics {
     void setKeptClouds(std::uint64_t bytes, std::uint64_t limit, std::uint64_t evicted);
     /// Of clouds in object storage.
     void setRemote(const RemoteStats& stats);
+    /// Of a server that ranks draw for. Where this is never called, nothing is said of ranks.
+    void setRanks(const RanksStats& stats);
     /// Of everything that is not residency, and of the process as the system sees it.
     void setMemory(const TransientMemory& memory);
     /// A connection was ended, because what it was sent was not read, or too slowly.

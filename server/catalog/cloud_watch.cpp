@@ -65,7 +65,6 @@ struct CloudWatch::Watched {
     Clock::time_point pendingSince{};
     FileIdentity told{};                        ///< what has been refused
     Clock::time_point askAgain{}, openAgain{};  ///< behind a URL: not before
-    std::uint64_t others = 0;                   ///< behind a URL: that came in its place
 
     std::string name() const {
         if (served.kept) return served.kept->filename().string();
@@ -102,6 +101,11 @@ void CloudWatch::opened(WatchedFile file) {
 void CloudWatch::shown(const std::string& id, std::shared_ptr<const Cloud> cloud) {
     const Monitor::Lock lock(monitor_);
     news_.shown.emplace_back(id, std::move(cloud));
+}
+
+void CloudWatch::notOpened(const std::string& id, const Error& error) {
+    const Monitor::Lock lock(monitor_);
+    news_.notOpened.emplace_back(id, error);
 }
 
 void CloudWatch::hurry() {
@@ -160,6 +164,14 @@ void CloudWatch::take(News news) {
             for (const DamageReport& report : std::exchange(one->early, {})) damaged(*one, report.error);
         }
     }
+    for (const auto& [id, error] : news.notOpened) {
+        for (auto& one : watched_) {
+            if (one->served.id != id) continue;
+            one->building = false;
+            if (!std::exchange(one->unfound, true))
+                note(fmt::format("{}: {}; what was fetched of it before is shown.", id, error.message));
+        }
+    }
     for (const DamageReport& report : news.damage) takeDamage(report);
     if (news.damageLeftOut > 0)
         note(fmt::format("{} more blocks could not be read; coarser points are shown in their place.",
@@ -206,7 +218,8 @@ void CloudWatch::lookAt(Watched& one) {
     }
 }
 
-// An object is replaced as a whole: what was read of the old one goes on being drawn until the new one is open.
+// An object is replaced as a whole: what was read of the old one goes on being drawn until the new one is open. The loader opens
+// it: its server may take its time, and other files are watched meanwhile.
 void CloudWatch::lookAtRemote(Watched& one) {
     const auto now = Clock::now();
     if (!one.served.remote->changed()) {
@@ -214,21 +227,9 @@ void CloudWatch::lookAtRemote(Watched& one) {
         one.askAgain = now + options_.remoteInterval;
         return one.served.remote->look();
     }
-    if (!options_.remote || now < one.openAgain) return;
+    if (now < one.openAgain) return;
     one.openAgain = now + 2 * options_.interval;
-    auto opened = openRemoteCloud(*options_.remote, one.served.place.name.native(), options_.native);
-    if (!opened) {
-        if (!std::exchange(one.unfound, true))
-            note(fmt::format("{}: {}; what was fetched of it before is shown.", one.served.id,
-                             opened.error().message));
-        return;
-    }
-    one.unfound = false;
-    FileIdentity identity = one.served.identity;
-    identity.inode = ++one.others;  // never the same blocks: those of before cannot be read any more
-    const std::shared_ptr<const CloudFile> before = one.served.file;
-    serveAgain(one, identity, std::move(opened->file));
-    if (one.served.file != before) one.served.remote = std::move(opened->object);
+    one.building = options_.rebuild && options_.rebuild(one.served, one.cloud.lock());
 }
 
 void CloudWatch::changed(Watched& one, InputFile file) {

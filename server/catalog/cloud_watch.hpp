@@ -46,8 +46,7 @@ struct CloudWatchOptions {
     std::chrono::milliseconds interval{2000};
     std::shared_ptr<BlockCache> cache;
     std::shared_ptr<DamageReports> damage;  ///< may be empty: then only names are looked at
-    std::shared_ptr<RemoteFiles> remote{};  ///< opens what is behind a URL again
-    NativeOpening native{};                 ///< and how, where that is a scan
+    NativeOpening native{};                 ///< opens scans that are shown as they are
     /// Between questions whether something behind a URL is what it was; whatever is read of it tells, too.
     std::chrono::milliseconds remoteInterval{60000};
     /// What happened, for the log.
@@ -58,7 +57,7 @@ struct CloudWatchOptions {
     std::function<void(const CloudFile&, const Error&)> onDamaged;
     /// The catalog has another cloud.
     std::function<void()> onChanged;
-    /// Builds a kept file anew, later, in the place of this cloud; false = not now.
+    /// Builds a kept file anew, or opens what is behind a URL again, later, in the place of this cloud; false = not now.
     std::function<bool(const WatchedFile&, const std::shared_ptr<const Cloud>&)> rebuild;
 };
 
@@ -75,6 +74,8 @@ class CloudWatch {
     void opened(WatchedFile file);
     /// Now it does; or it still shows that one, because building it anew came to nothing.
     void shown(const std::string& id, std::shared_ptr<const Cloud> cloud);
+    /// It came to nothing: what is behind the URL could not be opened again, and what was opened before is shown.
+    void notOpened(const std::string& id, const Error& error);
     /// Looks at every name at once instead of within the interval.
     void hurry();
     void requestStop();
@@ -84,9 +85,10 @@ class CloudWatch {
     struct News {
         std::vector<WatchedFile> opened;
         std::vector<std::pair<std::string, std::shared_ptr<const Cloud>>> shown;
+        std::vector<std::pair<std::string, Error>> notOpened;
         std::vector<DamageReport> damage;
         std::uint64_t damageLeftOut = 0;
-        bool empty() const { return opened.empty() && shown.empty() && damage.empty(); }
+        bool empty() const { return opened.empty() && shown.empty() && notOpened.empty() && damage.empty(); }
     };
     using Clock = std::chrono::steady_clock;
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "files/owned_folder.hpp"
+#include "protocol/text/grouped.hpp"
 #include "remote/remote_url.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/build/ingest.hpp"
@@ -372,7 +373,9 @@ void Loader::loadOne(Job& job) {
         auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.place);
         return opened ? shownCloudOf(*opened, job) : tl::unexpected(std::move(opened.error()));
     });
-    if (job.instead) return settleRebuilt(job, std::move(cloud));
+    if (job.instead)
+        return isRemote(job.file()) ? settleReopened(job, std::move(cloud))
+                                    : settleRebuilt(job, std::move(cloud));
     if (!cloud && tryLater(job, cloud.error())) return;
     settle(job, std::move(cloud),
            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -401,6 +404,20 @@ void Loader::settleRebuilt(const Job& job, Result cloud) {
     watch_.shown(job.id, job.watched ? std::move(*cloud) : nullptr);
     if (!isShown) return;
     note(fmt::format("{}: {} has been built anew.", job.id, title));
+    if (options_.onChanged) options_.onChanged();
+}
+
+// What was read of the old object goes on being drawn until the new one is there.
+void Loader::settleReopened(const Job& job, Result cloud) {
+    if (!cloud) return watch_.notOpened(job.id, cloud.error());
+    const bool isShown =
+        catalog_.replace(job.id, job.instead->lock(), *cloud);  // else it was removed meanwhile
+    watch_.opened(*job.watched);
+    watch_.shown(job.id, *cloud);
+    if (!isShown) return;
+    note(fmt::format("{}: {} has been replaced, and the new one is served from now on: {} in {}.", job.id,
+                     plainName(job.file()).string(), counted((*cloud)->points, "point"),
+                     counted((*cloud)->octree.nodes().size(), "node")));
     if (options_.onChanged) options_.onChanged();
 }
 
@@ -437,7 +454,8 @@ Loader::Result Loader::openRemote(Job& job) {
     if (!opened) return passOn(std::move(opened));
     WatchedFile watched{.id = job.id, .place = job.place, .file = opened->file, .remote = opened->object};
     job.watched = watched;
-    watch_.opened(std::move(watched));
+    if (!job.instead)
+        watch_.opened(std::move(watched));  // else what is shown is watched until it is not any more
     auto cloud = openCloud(std::move(opened->file), options_.cache);
     if (!cloud) return cloud;
     return withLook(std::move(*cloud));
@@ -638,7 +656,6 @@ CloudWatchOptions Loader::watchOptions() {
     watching.interval = options_.watchInterval;
     watching.cache = options_.cache;
     watching.damage = options_.damage;
-    watching.remote = options_.remote;
     watching.native = native_;
     watching.onNote = [this](const std::string& text) { note(text); };
     watching.onRefused = options_.onFailed;

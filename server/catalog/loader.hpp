@@ -102,7 +102,8 @@ class Loader {
         std::string id;
         std::optional<ScanInput> opened{};  ///< empty: when it is its turn
         std::uint64_t number = 0;           ///< in the order in which they came
-        /// Of a cloud whose kept file is damaged: that cloud, which the new one is to take the place of.
+        /// Of a cloud whose kept file is damaged, or whose object has been replaced: that cloud, which the new one is to take the
+        /// place of.
         std::optional<std::weak_ptr<const Cloud>> instead{};
         std::optional<WatchedFile> watched{};         ///< the cloud file that it is in, once that is open
         std::chrono::steady_clock::time_point due{};  ///< not before; of one that waits in later_
@@ -150,6 +151,7 @@ class Loader {
     void settle(const Job& job, Result cloud, double seconds);
     void settleFailed(const Job& job, Error error);
     void settleRebuilt(const Job& job, Result cloud);
+    void settleReopened(const Job& job, Result cloud);
     /// With a look, so that nobody sees it without.
     Result shownCloudOf(const ScanInput& input, Job& job);
     Result cloudOf(const ScanInput& input, Job& job);

@@ -81,7 +81,8 @@ struct Painter {
     DeviceInfo device;
     PreparePicture prepare;
     /// Draws on the render thread, which also made the painter and destroys it; what it began may outlive it.
-    /// In its pauses it is called again.
+    /// In its pauses it is called again. Unavailable - of this, or of finishing what it began -: what the picture was prepared for
+    /// is not there any more; prepared again, it can be drawn.
     std::function<Expected<std::unique_ptr<PendingFrame>>(const PictureOrder&, const PreparedPicture&,
                                                           std::stop_token, const Pause&)>
         begin;

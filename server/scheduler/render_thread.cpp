@@ -19,6 +19,15 @@ bool isLost(const Expected<T>& result) {
     return !result && result.error().code == ErrorCode::DeviceLost;
 }
 
+/// What it was prepared for is not there any more.
+template <class T>
+bool isUnavailable(const Expected<T>& result) {
+    return !result && result.error().code == ErrorCode::Unavailable;
+}
+
+/// Of one picture; what is gone twice may be on its way back.
+constexpr int mostTries = 3;
+
 std::string_view name(Turns::Kind kind) {
     switch (kind) {
         case Turns::Kind::Moving:
@@ -204,6 +213,7 @@ Expected<void> Scheduler::checkMemory(const PictureOrder& order) const {
 Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Turns::Request& request,
                                                          const std::stop_token& token, Why& why) {
     if (lost_ && within_ == 0) replacePainter(Error(*lost_));
+    int triesLeft = mostTries;
     while (painter_) {
         if (!request.prepared) {
             auto prepared =
@@ -220,6 +230,10 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Turns::Request& request
         auto frame = contained("The renderer", [&] {
             return painter_->begin(request.order, *request.prepared, token, [this] { drawWithin(); });
         });
+        if (isUnavailable(frame) && --triesLeft > 0) {
+            request.prepared.reset();
+            continue;
+        }
         if (!isLost(frame)) return frame;
         if (within_ > 0) {
             lost_ = frame.error();
@@ -258,18 +272,20 @@ void Scheduler::complete(Begun& begun) {
     turns_.drawn(begun.request, Clock::now());
 }
 
-/// What was lost with its device is begun again with the painter that took over.
+/// What was lost with its device is begun again with the painter that took over, and what cannot be had of it, from anew.
 Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, Why& why) {
-    while (true) {
+    for (int triesLeft = mostTries;;) {
         auto frame = contained("The renderer", [&] { return begun.frame->finish(); });
         begun.frame.reset();
-        if (!isLost(frame)) return frame;
-        if (within_ > 0) {
+        const bool isAgain = isUnavailable(frame) && --triesLeft > 0;
+        if (!isLost(frame) && !isAgain) return frame;
+        if (isLost(frame) && within_ > 0) {
             lost_ = frame.error();
             why = Why::DeviceLost;
             return frame;
         }
-        if (begun.painter == painterNumber_) replacePainter(frame.error());
+        if (isLost(frame) && begun.painter == painterNumber_) replacePainter(frame.error());
+        if (isAgain) begun.request->prepared.reset();
         auto again = begin(*begun.request, token, why);
         if (!again) return passOn(std::move(again));
         begun.frame = std::move(*again);

@@ -5,6 +5,7 @@
 //   within its pauses, on the same thread; no byte depends on it.
 // - Two threads encode beside it, moving frames and what takes longer; one waits for blocks, one for deadlines.
 // - A large picture that there is no memory for is refused before it is begun.
+// - What was prepared for something that is gone before it is drawn is prepared again: nobody sees an error.
 // - When the device is lost, the painter that takes over draws what was asked of it: nobody sees an error.
 // - What a thread waits for is a condition of the state that they share, and the monitor wakes whoever can go
 //   on: no change has to remember whom to wake.

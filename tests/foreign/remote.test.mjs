@@ -2,135 +2,24 @@
 // signatures, and a line with latency that can be cut in front of them. What is right is what the same file gives on disk.
 
 import assert from 'node:assert/strict';
-import { execFileSync, spawn, spawnSync } from 'node:child_process';
-import { createHash, createHmac } from 'node:crypto';
+import { execFileSync } from 'node:child_process';
 import { chmodSync, copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
-import { once } from 'node:events';
-import { createServer as createHttpServer, request as httpRequest } from 'node:http';
-import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
-import S3rver from 's3rver';
 import WebSocket from 'ws';
 
 import { RealServer } from '../browser/support/real_server.mjs';
 import { Line } from '../support/line.mjs';
+import { comesTrue, hasNginx, run, startNginx, startS3 } from './support/object_storage.mjs';
 
 const program = process.env.SCANCAST_PROGRAM;
-const patienceMs = 30_000;
 const roundTripMs = 50;
 const picture = ['--width', '320', '--height', '200', '--backend', 'cpu'];
-const hasNginx = spawnSync('nginx', ['-v']).status === 0;
 const skip = hasNginx ? false : 'nginx is missing: apt-get install nginx-light';
 
 let folder, nginx, s3, line;
-
-/** Asynchronously: servers of this very process answer meanwhile. */
-async function run(words, environment = {}, command = program) {
-  const child = spawn(command, words, { env: { ...process.env, ...environment }, stdio: ['ignore', 'pipe', 'pipe'], timeout: patienceMs });
-  let said = '';
-  for (const output of [child.stdout, child.stderr]) output.on('data', (data) => { said += data; });
-  const [code] = await once(child, 'close');
-  return { code, said };
-}
-
-async function comesTrue(condition, what) {
-  const end = Date.now() + patienceMs;
-  while (!await condition()) {
-    assert.ok(Date.now() < end, `${what} within ${patienceMs} ms`);
-    await new Promise((done) => setTimeout(done, 25));
-  }
-}
-
-async function freePort() {
-  const server = createServer();
-  await new Promise((done) => server.listen(0, '127.0.0.1', done));
-  const { port } = server.address();
-  await new Promise((done) => server.close(done));
-  return port;
-}
-
-async function startNginx() {
-  const [plain, secure] = [await freePort(), await freePort()];
-  for (const name of ['certificate', 'logs']) mkdirSync(join(folder, name));
-  execFileSync('openssl', ['req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1', '-nodes', '-days', '2', '-subj', '/CN=localhost',
-    '-addext', 'subjectAltName=DNS:localhost', '-keyout', join(folder, 'certificate/key.pem'), '-out', join(folder, 'certificate/cert.pem')], { stdio: 'ignore' });
-  const temporary = ['client_body', 'proxy', 'fastcgi', 'uwsgi', 'scgi'].map((name) => `${name}_temp_path ${folder}/${name};`).join(' ');
-  writeFileSync(join(folder, 'nginx.conf'), `
-    daemon off; worker_processes 1; pid ${folder}/pid; error_log ${folder}/logs/error.log;
-    events { worker_connections 256; }
-    http {
-      access_log ${folder}/logs/access.log; ${temporary}
-      server {
-        listen 127.0.0.1:${plain};
-        listen 127.0.0.1:${secure} ssl http2;
-        ssl_certificate ${folder}/certificate/cert.pem; ssl_certificate_key ${folder}/certificate/key.pem;
-        root ${folder}/web;
-        location /signed/ { limit_except GET { deny all; } if ($request_method = HEAD) { return 403; } alias ${folder}/web/; }
-        location /down/ { return 302 http://127.0.0.1:${plain}/town.scan; }
-        location /moved/ { return 302 /town.scan; }
-        location /loop/ { return 302 /loop/town.scan; }
-        location /whole/ { max_ranges 0; alias ${folder}/web/; }
-      }
-    }`);
-  const child = spawn('nginx', ['-p', folder, '-c', join(folder, 'nginx.conf')], { stdio: 'ignore' });
-  await comesTrue(() => fetch(`http://127.0.0.1:${plain}/town.scan`).then((got) => got.ok, () => false), 'nginx answers');
-  return { child, plain: `http://127.0.0.1:${plain}`, secure: `https://localhost:${secure}`, port: plain };
-}
-
-/**
- * What signs a request, by Amazon's own description ("Create a signed AWS API request"): s3rver looks whether there is such an account,
- * and does not reckon this.
- */
-function signatureOf(request, { scope, signed }, secret) {
-  const hash = (text) => createHash('sha256').update(text).digest('hex');
-  const mac = (key, text) => createHmac('sha256', key).update(text).digest();
-  const { pathname, search } = new URL(request.url, 'http://x');
-  const headers = signed.split(';').map((name) => `${name}:${request.headers[name].trim()}\n`).join('');
-  const canonical = [request.method, pathname, search.slice(1), headers, signed, request.headers['x-amz-content-sha256']].join('\n');
-  const toSign = ['AWS4-HMAC-SHA256', request.headers['x-amz-date'], scope, hash(canonical)].join('\n');
-  const key = scope.split('/').reduce(mac, `AWS4${secret}`);
-  return mac(key, toSign).toString('hex');
-}
-
-/** Lets signed requests through to `port`, and no others. */
-async function startSignatureCheck(port) {
-  const server = createHttpServer((request, response) => {
-    const [, scope, signed, signature] =
-      /^AWS4-HMAC-SHA256 Credential=[^/]+\/([^,]+), *SignedHeaders=([^,]+), *Signature=([0-9a-f]+)$/.exec(request.headers.authorization ?? '') ?? [];
-    if (!signature || !signed.split(';').includes('host') || signatureOf(request, { scope, signed }, 'S3RVER') !== signature) {
-      response.writeHead(403).end('<Error><Code>SignatureDoesNotMatch</Code></Error>');
-      return;
-    }
-    const onward = httpRequest({ port, host: '127.0.0.1', method: request.method, path: request.url, headers: request.headers }, (answer) => {
-      response.writeHead(answer.statusCode, answer.headers);
-      answer.pipe(response);
-    });
-    request.pipe(onward);
-  });
-  await new Promise((done) => server.listen(0, '127.0.0.1', done));
-  server.unref();
-  return server;
-}
-
-async function startS3() {
-  const directory = join(folder, 's3');
-  mkdirSync(directory);
-  const server = new S3rver({ port: 0, address: '127.0.0.1', silent: true, directory, configureBuckets: [{ name: 'scans', configs: [] }] });
-  const check = await startSignatureCheck((await server.run()).port);
-  const { port } = check.address();
-  const environment = {
-    AWS_ACCESS_KEY_ID: 'S3RVER', AWS_SECRET_ACCESS_KEY: 'S3RVER', AWS_SESSION_TOKEN: '', AWS_REGION: 'us-east-1', AWS_ENDPOINT_URL: `http://127.0.0.1:${port}`,
-  };
-  // curl signs by itself what ours asks curl's library to sign.
-  const put = await run(['-sS', '--fail', '--aws-sigv4', 'aws:amz:us-east-1:s3', '--user', 'S3RVER:S3RVER',
-    '-H', 'x-amz-content-sha256: UNSIGNED-PAYLOAD', '-T', join(folder, 'web/town.scan'),
-    `http://127.0.0.1:${port}/scans/area/town.scan`], {}, 'curl');
-  assert.equal(put.code, 0, put.said);
-  return { server, check, environment };
-}
 
 before(async () => {
   folder = mkdtempSync(join(tmpdir(), 'scancast-remote-'));
@@ -143,8 +32,9 @@ before(async () => {
     execFileSync(program, ['ingest', scan, '-o', cloud], { stdio: 'ignore' });
   }
   copyFileSync(join(folder, 'web/town.scan'), join(folder, 'town.scan'));
-  nginx = await startNginx();
-  s3 = await startS3();
+  nginx = await startNginx(folder, '/town.scan');
+  s3 = await startS3(folder);
+  await s3.put(join(folder, 'web/town.scan'), 'area/town.scan');
   line = new Line(nginx.port, roundTripMs);
   line.port = await line.start();
 });
@@ -152,10 +42,7 @@ before(async () => {
 after(async () => {
   line?.stop();
   nginx?.child.kill();
-  s3?.check.closeAllConnections?.();
-  s3?.check.close();
-  s3?.server.httpServer.closeAllConnections?.();
-  await s3?.server.close();
+  await s3?.stop();
   rmSync(folder, { recursive: true, force: true });
 });
 

@@ -20,6 +20,15 @@ class LazyScan final : public ForwardingSource {
 
     void readPart(std::uint64_t first, std::uint64_t count) override { part_ = {first, count}; }
 
+    /// Opened for that alone.
+    Expected<std::uint16_t> lookAt(std::uint64_t first, std::uint64_t count) override {
+        if (count == 0) return std::uint16_t(0);
+        auto opened = open_();
+        if (!opened) return passOn(opened);
+        return (*opened)->lookAt(first, count);
+    }
+    void hasSeen(std::uint16_t highest) override { seen_ = highest; }
+
     Expected<bool> read(PointBatch& batch) override {
         if (open_) {
             batch.clear();
@@ -28,6 +37,7 @@ class LazyScan final : public ForwardingSource {
             open_ = nullptr;
             wrap(std::move(*opened));
             if (part_) source().readPart(part_->first, part_->second);
+            if (seen_) source().hasSeen(*seen_);
         }
         const auto more = source().read(batch);
         header_.scannerOrigin = source().header().scannerOrigin;
@@ -39,6 +49,7 @@ class LazyScan final : public ForwardingSource {
     OpenScan open_;  ///< until it is open
     ScanHeader header_;
     std::optional<std::pair<std::uint64_t, std::uint64_t>> part_;  ///< first point, and how many
+    std::optional<std::uint16_t> seen_;
 };
 
 }  // namespace

@@ -22,8 +22,7 @@ namespace scancast {
 
 namespace {
 
-/// What a node takes until the end: itself, its parent's pointer to it, and what it becomes when the tree is
-/// finished.
+/// Itself, its parent's pointer to it, and what it becomes when the tree is finished.
 constexpr std::uint64_t nodeBytes =
     sizeof(BuildNode) + 4 * sizeof(void*) + 2 * (sizeof(StoredNode) + sizeof(void*));
 /// And for each column: a leaf's own place, the finished tree's, its record.
@@ -321,7 +320,7 @@ class TreeBuilder {
         if (!ofRoot.empty()) root.content.beside = std::move(ofRoot);
         Expected<void> result;
         forEachNode(root, [&](BuildNode& n) {
-            workspace_.occupy(nodeBytes + planesOf(input_) * columnBytes);
+            workspace_.occupy(bytesOfNode(input_));
             if (n.isLeaf()) {
                 if (&n != &root) n.points = {};
             } else {
@@ -392,6 +391,10 @@ class TreeBuilder {
 };
 
 }  // namespace
+
+std::uint64_t bytesOfNode(const OctreeInput& input) {
+    return nodeBytes + planesOf(input) * columnBytes;
+}
 
 Expected<void> averageUpwards(BuildNode& from, const OctreeInput& input, Workspace& workspace, bool inFile) {
     for (BuildNode* node = from.parent; node && ++node->finishedChildren == node->children.size();

@@ -90,6 +90,9 @@ Expected<SureCount> growTree(std::vector<Chunk> chunks, const OctreeInput& input
                              Workspace& workspace, BlockSink* file, const SidesOfPatches& sides,
                              const ProgressSink& progress, const std::stop_token& stop);
 
+/// Memory that a node of a tree in a file takes until the end, beside what waits in the workspace.
+std::uint64_t bytesOfNode(const OctreeInput& input);
+
 /// A node is finished, but for what its neighbours have to say: fills the nodes above whose children are then all there. `inFile`:
 /// samples wait in the workspace, as growTree() has it with a file. Errors: the workspace's.
 Expected<void> averageUpwards(BuildNode& from, const OctreeInput& input, Workspace& workspace, bool inFile);

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <mutex>
+#include <string>
 
 #include "files/input_file.hpp"
 #include "files/raw_writes.hpp"
@@ -26,7 +28,10 @@ namespace fs = std::filesystem;
 class Writer final : public CloudFileWriter {
   public:
     Writer(UnfinishedFile file, fs::path path)
-        : fd_(std::move(file.fd)), path_(std::move(path)), partial_(std::move(file.name)) {}
+        : fd_(std::move(file.fd)),
+          path_(std::move(path)),
+          partialName_(file.name.name()),
+          partial_(std::move(file.name)) {}
 
     Expected<void> begin() {
         // Zeros: what looks at the file before finish() sees no magic.
@@ -46,17 +51,23 @@ class Writer final : public CloudFileWriter {
 
     Expected<std::vector<std::byte>> readBack(const BlockPlace& place) const override {
         std::vector<std::byte> block(place.bytes);
-        const auto got = readFullyAt(fd_.get(), place.offset, block, partial_.name());
+        const auto got = readFullyAt(fd_.get(), place.offset, block, partialName_);
         if (!got) return passOn(got);
         if (*got < block.size() || (!block.empty() && checksumOf(block) != place.checksum))
             return fail(ErrorCode::Io,
                         fmt::format("{}, byte {}: what was written there a moment ago reads back "
                                     "differently; is the disk failing, or something else writing?",
-                                    partial_.name(), place.offset));
+                                    partialName_, place.offset));
         return block;
     }
 
     std::uint64_t bytesWritten() const override { return written_; }
+
+    void withdraw() override {
+        const std::lock_guard lock(naming_);
+        isWithdrawn_ = true;
+        partial_ = {};
+    }
 
     Expected<void> finish(const CloudFacts& facts, std::span<const StoredNode> nodes,
                           std::span<const BlockPlace> planes, const std::stop_token& stop) override {
@@ -120,13 +131,21 @@ class Writer final : public CloudFileWriter {
         if (auto ok = sync(); !ok) return ok;
         if (auto ok = writeAt(0, encodeHeader(header)); !ok) return ok;
         if (auto ok = sync(); !ok) return ok;
-        if (const int refused = partial_.become(path_.string()))
-            return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot get its name: {}", path_.string(), systemReason(refused)));
+        if (auto ok = takeName(); !ok) return ok;
         const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
         const UniqueFd entry(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
         // Folders that cannot be opened or synced (some network file systems) have no more to give.
         if (entry) (void)::fsync(entry.get());
+        return {};
+    }
+
+    Expected<void> takeName() {
+        const std::lock_guard lock(naming_);
+        // What has the name beside it by now may be somebody else's.
+        if (isWithdrawn_) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
+        if (const int refused = partial_.become(path_.string()))
+            return fail(ErrorCode::Io,
+                        fmt::format("{}: cannot get its name: {}", path_.string(), systemReason(refused)));
         return {};
     }
 
@@ -158,6 +177,9 @@ class Writer final : public CloudFileWriter {
 
     const UniqueFd fd_;
     const fs::path path_;
+    const std::string partialName_;  ///< for messages
+    std::mutex naming_;
+    bool isWithdrawn_ = false;
     /// Removed while the file is still locked: whoever waits for this name takes over an inode that has none,
     /// notices, and starts anew.
     UnfinishedName partial_;

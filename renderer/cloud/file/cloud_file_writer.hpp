@@ -26,6 +26,10 @@ class CloudFileWriter : public BlockSink {
     ~CloudFileWriter() override = default;
 
     virtual std::uint64_t bytesWritten() const = 0;
+    /// The file is not to be: its name beside the final one is gone when this returns, whatever its owner is doing, and finish() ends
+    /// with Cancelled. Without effect once the file has its final name. From any thread, while it lives: whoever has a second to end in
+    /// cannot wait for the owner.
+    virtual void withdraw() = 0;
     /// The bytes of facts.photos, indices, facts, header; synced; renamed over `path`. Nodes in breadth-first order, root at 0. `planes`: where
     /// the values beside the samples are, for each node all of planesOf(facts), encoded by encodeRows(); a place
     /// of nothing where a node has none - inner nodes of columns, and of companions any node.

@@ -66,7 +66,7 @@ Expected<std::unique_ptr<PointSource>> openAsItIs(const ScanInput& input, const 
     switch (identified.format) {
         case ScanFormat::Las:
             return opened(LasSource::create(std::move(bytes), name, options.keepAttributes, options.recover,
-                                            options.exact));
+                                            options.exact, options.looksInParts));
         case ScanFormat::Laz:
             return opened(ImporterSource::create(lazImporter, input, options));
         case ScanFormat::E57:

@@ -40,6 +40,9 @@ struct ImportOptions {
     bool exact = false;
     /// Of a scan that ends too early, read what is whole; a note says how much is lost. Not of every format.
     bool recover = false;
+    /// What only all points of a file tell - whether colours have 8 or 16 bits - somebody looks for in parts (PointSource::wantsToBeSeen),
+    /// where the first places do not tell. Else it is looked for when the file is opened.
+    bool looksInParts = false;
     /// Folder of the unnamed temporary files in which photos that scans bring along wait for the cloud; nullopt: they are described, and
     /// their bytes passed over.
     std::optional<std::filesystem::path> photos{};

@@ -66,6 +66,11 @@ Owners movedBy(const Owners& first, std::ptrdiff_t right, std::ptrdiff_t down) {
     return o;
 }
 
+/// Of a tile's pixel (0, 0); null: nothing was moved there.
+const std::int64_t* wideSums(const KeyTile& tile, const TileMemory& memory) {
+    return memory.wide.empty() ? nullptr : memory.wide.data() + guard * tile.stride + guard;
+}
+
 /// Between them runs without samples: others' ordinals are looked up, too.
 std::vector<SplatRun> withGaps(const std::vector<SplatRun>& byOrdinal, std::uint64_t end) {
     std::vector<SplatRun> all;
@@ -275,14 +280,15 @@ bool Layer::goOn(TileDrawing& at, const FrameDrawing& frame) {
             return false;
         }
     }
-    resolveTile(at.nearest, at.colors, frame.passes.back(), *at.memory, frame.planes, frame.owners);
+    resolveTile(at.nearest, at.colors, frame.passes.back(), wideSums(at.nearest, *at.memory), frame.planes,
+                frame.owners);
     spend(frame.passes.size());
     at.tile = nullptr;
     return true;
 }
 
 void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
-                        const TileMemory& memory, const Planes& planes, const Owners& owners) {
+                        const std::int64_t* wide, const Planes& planes, const Owners& owners) {
     PixelTile pixels;
     pixels.stride = planes.area.width();
     const std::ptrdiff_t offset = planes.at(nearest.x, nearest.y);
@@ -302,10 +308,7 @@ void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const Spl
         }
         kernels_.resolve(nearest, pixels);
     }
-    if (!passes_.resolve.sums) return;
-    const std::int64_t* wide =
-        memory.wide.empty() ? nullptr : memory.wide.data() + guard * nearest.stride + guard;
-    kernels_.resolveSums(colors, wide, pixels);
+    if (passes_.resolve.sums) kernels_.resolveSums(colors, wide, pixels);
 }
 
 void Layer::smooth(const SplatPass& pass, const Planes& planes, const Owners& owners) const {
@@ -334,9 +337,10 @@ void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& sta
         drawTogether(frame, stats);
     else
         drawAlone(frame, stats);
-    if (owners.places == nullptr || workers_.stopped() || !shows()) return;
+    if (owners.places == nullptr || workers_.stopped()) return;
     const auto smoothing = workers_.now();
-    smooth(passes.front(), planes, owners);
+    const Planes seen = together_ != nullptr ? own(planes) : planes;
+    smooth(passes.front(), seen, movedBy(owners, 0, seen.area.y0 - planes.area.y0));
     stats.add("smooth", workers_.millisecondsSince(smoothing));
 }
 

@@ -8,8 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "renderer/device/cpu/occupied_spans.hpp"
-#include "renderer/device/cpu/pass_reduction.hpp"
+#include "renderer/device/cpu/packed_spans.hpp"
 #include "renderer/device/cpu/prepare.hpp"
 #include "renderer/device/cpu/tiles.hpp"
 #include "renderer/device/cpu/workers.hpp"
@@ -27,16 +26,15 @@ struct TileMemory {
 /// As many as there are threads.
 using TileMemories = std::vector<std::unique_ptr<TileMemory>>;
 
-/// Whom a picture is drawn together with, and planes of a whole layer for it. Lives as long as the device.
+/// Whom a picture is drawn together with, and memory for it. Lives as long as the device.
 struct Together {
     PassReduction* reduction = nullptr;
-    TileMemories tiles;      ///< a tile each: all of them are needed until the last pass
-    OccupiedSpans occupied;  ///< of the layer's pixels; of what is, packed, a plane after the other:
-    std::vector<Key> keys;
-    std::vector<std::int32_t> sums;
-    std::vector<std::int64_t> wideSums;
-    std::vector<std::uint32_t> words;
-    std::vector<float> depth;  ///< of the layer, not packed
+    /// Of the picture: each device's rows are seen with so many around them.
+    std::int32_t reach = 0;
+    TileMemories tiles;  ///< a tile each: all of them are needed until the last pass
+    PackedSpans packed;
+    OccupiedSpans all;         ///< everybody's
+    std::vector<float> depth;  ///< of the layer
 };
 
 /// What a layer needs to smooth the borders of paraboloids, besides what it draws into. Grows to the largest layer and stays.
@@ -59,16 +57,25 @@ struct Planes {
     }
 };
 
+/// Who gets what devices that draw together have.
+enum class Receivers : std::uint8_t { Everybody, WhoShows };
+
 class Layer {
   public:
     /// Everything outlives the layer. `together`: null, it is drawn alone.
     Layer(const Drawing& drawing, const CutView& view, const LayerView& layerView, const FramePasses& passes,
           const Kernels& kernels, const Workers& workers, TileMemories& memories, const Rect& area,
           Together* together = nullptr);
-    /// Splats and resolves one frame; `planes` cover the layer's area. Together with others they are filled for who
-    /// shows only. Adds to the stages "nearest", "sum",
-    /// "cell", "resolve" and "smooth", and together "reduce".
+    /// Splats and resolves one frame; `planes` cover the layer's area. Together with others only own() of them are
+    /// filled. Adds to the stages "nearest", "sum", "cell", "resolve" and "smooth", and together "wait" - until all have
+    /// done a pass - and "reduce".
     void draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats);
+    /// Together with others, once drawn: rows of the area that this device finishes; and the part of such planes that it sees.
+    Rows ownRows() const { return bands_.of(together_->reduction->number()); }
+    Planes own(const Planes& planes) const;
+    /// Everybody's rows of planes of the layer's width, or of a part of it, to who shows or to everybody: those planes that
+    /// there are.
+    void collect(const Planes& planes, Receivers to);
 
   private:
     void prepareRuns(const Drawing& drawing, const CutView& view);
@@ -96,28 +103,34 @@ class Layer {
 
     void drawAlone(const FrameDrawing& frame, FrameStats& stats);
     void drawTogether(const FrameDrawing& frame, FrameStats& stats);
-    bool shows() const { return together_ == nullptr || together_->reduction->shows(); }
-    std::size_t pixels() const {
-        return static_cast<std::size_t>(area_.width()) * static_cast<std::size_t>(area_.height());
-    }
+    Rows rows() const { return {0, area_.height()}; }
+    /// The rows that a device finishes; those that it sees.
+    Rows rowsOf(std::uint32_t device) const { return bands_.of(device); }
+    Rows seenBy(std::uint32_t device) const { return bands_.of(device, together_->reach); }
     template <class Work>
-    void inRows(const std::vector<TileDrawing>& drawings, const Work& work) const;
+    void inPieces(const std::vector<TileDrawing>& drawings, const Rows& rows, const Work& work) const;
     template <class Work>
-    void inOccupied(const std::vector<TileDrawing>& drawings, const Work& work) const;
-    void reducePass(std::vector<TileDrawing>& drawings, const SplatPass& pass, bool last);
-    void reduceKeys(std::vector<TileDrawing>& drawings, Receivers to);
-    void reduceSums(std::vector<TileDrawing>& drawings, const SplatPass& pass);
-    template <class T>
-    void addSums(std::vector<TileDrawing>& drawings, std::size_t planes, std::vector<T>& memory);
+    void inSpans(const std::vector<TileDrawing>& drawings, const OccupiedSpans& spans, const Rows& rows,
+                 const Work& work) const;
+    template <class T, class Pack, class Take>
+    void toOwners(const std::vector<TileDrawing>& drawings, std::size_t planes, const Pack& pack,
+                  const Take& take);
+    void markPass(const TileDrawing& at, const SplatPass& pass, std::atomic<std::uint64_t>& magnitudes);
+    bool agree(std::uint64_t& magnitudes);
+    void reducePass(std::vector<TileDrawing>& drawings, const SplatPass& pass, bool last,
+                    std::uint64_t magnitudes);
+    void leastToOwners(const std::vector<TileDrawing>& drawings);
+    void leastToEverybody(const std::vector<TileDrawing>& drawings);
+    void addToOwners(std::vector<TileDrawing>& drawings, const SplatPass& pass, std::uint64_t magnitudes);
     void resolveTogether(std::vector<TileDrawing>& drawings, const FrameDrawing& frame);
-    void joinSamples(std::vector<TileDrawing>& drawings, const Planes& planes, const Owners& owners);
+    void joinSamples(const std::vector<TileDrawing>& drawings, const Planes& planes, const Owners& owners);
     void begin(TileDrawing& at, const Tile& tile);
     bool goOn(TileDrawing& at, const FrameDrawing& frame);
     void beginPass(TileDrawing& at, const SplatPass& pass);
     bool drawRuns(TileDrawing& at, const SplatPass& pass);
     bool splatRun(TileDrawing& at, const PreparedRun& prepared, SplatRun slice, const SplatPass& pass);
     void resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
-                     const TileMemory& memory, const Planes& planes, const Owners& owners);
+                     const std::int64_t* wide, const Planes& planes, const Owners& owners);
     void smooth(const SplatPass& pass, const Planes& planes, const Owners& owners) const;
 
     const LayerView layerView_;
@@ -131,6 +144,7 @@ class Layer {
     std::vector<SplatPass> splats_;
     std::vector<PreparedRun> runs_;  ///< front to back
     std::vector<Tile> tiles_;
+    Bands bands_;                            ///< of all frames, once there is one that was drawn together
     std::vector<std::uint32_t> background_;  ///< rows of area_
     std::vector<SplatRun> byOrdinal_;        ///< with `samples`
     std::vector<std::uint32_t> runAt_;

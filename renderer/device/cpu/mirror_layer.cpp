@@ -23,7 +23,7 @@ MirrorLayer::MirrorLayer(const Drawing& drawing, const CutView& reflection, cons
       kernels_(kernels),
       workers_(workers),
       memory_(memory),
-      shows_(together == nullptr || together->reduction->shows()),
+      together_(together),
       area_(areaOf(*reflection.glass, mainView.pad, picture)) {
     if (!empty())
         layer_.emplace(drawing, reflection, layerView_, passes, kernels, workers, tiles, area_, together);
@@ -40,7 +40,9 @@ void MirrorLayer::draw(const glm::dvec2& jitter, const Planes& picture) {
     if (passes_.resolve.smooth) planes.owners = &memory_.owners;
     FrameStats own;  // its stages are the picture's one stage "mirrors"
     layer_->draw(jitter, planes, own);
-    if (shows_) layOver(jitter, planes, picture, kernels_.lookThrough);
+    if (together_ != nullptr) layer_->collect(planes, Receivers::WhoShows);
+    if (together_ == nullptr || together_->reduction->shows())
+        layOver(jitter, planes, picture, kernels_.lookThrough);
 }
 
 void MirrorLayer::finish(const glm::dvec2& jitter, const Planes& picture) const {

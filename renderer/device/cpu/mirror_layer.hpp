@@ -29,7 +29,7 @@ class MirrorLayer {
     /// Nothing of it lies in the picture.
     bool empty() const { return area_.empty(); }
     /// Draws one frame of the reflection into the same frame of the picture, whose planes have depth. Before
-    /// its screen passes. Expects !empty().
+    /// its screen passes. Expects !empty(). Together with others, in the end only who shows has them.
     void draw(const glm::dvec2& jitter, const Planes& picture);
     /// Tint, and the mirror's depth. After the screen passes.
     void finish(const glm::dvec2& jitter, const Planes& picture) const;
@@ -44,7 +44,7 @@ class MirrorLayer {
     const Kernels& kernels_;
     const Workers& workers_;
     LayerMemory& memory_;
-    const bool shows_;            ///< or somebody else does, whom it is drawn together with
+    Together* const together_;    ///< null: it is drawn alone
     Rect area_;                   ///< pixels that may change
     std::optional<Layer> layer_;  ///< unless empty
 };

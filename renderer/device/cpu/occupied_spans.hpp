@@ -1,6 +1,6 @@
-// Where in some planes there is anything at all, and such parts of them packed one behind the other: what devices that draw together
-// agree on is mostly background, and that need not travel. Spans of 16 pixels of a row. Marked and read by several threads at once,
-// everything else on the render thread. Part of layer_together.cpp's work.
+// Where in some rows of planes there is anything at all: what devices that draw together tell each other is mostly background,
+// and that need not travel. Spans of 16 pixels of a row, a bit for each; a row begins with a word of its own. Marked and read by
+// several threads at once, everything else on the render thread. Part of packed_spans.hpp's and layer_together.cpp's work.
 #pragma once
 
 #include <algorithm>
@@ -13,81 +13,101 @@
 
 namespace scancast::cpu {
 
+/// [y0, y1) of a plane.
+struct Rows {
+    std::int32_t y0 = 0, y1 = 0;
+    std::int32_t count() const { return std::max(0, y1 - y0); }
+    bool has(std::int32_t y) const { return y >= y0 && y < y1; }
+    Rows intersect(const Rows& o) const { return {std::max(y0, o.y0), std::min(y1, o.y1)}; }
+};
+
 class OccupiedSpans {
   public:
     static constexpr std::int32_t length = 16;
 
-    /// Of planes of this size nothing is occupied. `notes`: words of the caller's that are agreed on, too.
-    void begin(std::int32_t width, std::int32_t height, std::size_t notes) {
+    /// Nothing is occupied.
+    void begin(std::int32_t width, const Rows& rows) {
         width_ = width;
-        perRow_ = (width + length - 1) / length;
-        marks_.assign(static_cast<std::size_t>(perRow_) * static_cast<std::size_t>(height), 0);
-        words_.assign(notes + (marks_.size() + 63) / 64, 0);
-        notes_ = notes;
+        rows_ = rows;
+        perRow_ = static_cast<std::size_t>((width + 64 * length - 1) / (64 * length));
+        words_.assign(perRow_ * static_cast<std::size_t>(rows.count()), 0);
     }
-    /// Of the row's pixels [x0, x1), those spans where isThere(x) for any x.
+    const Rows& rows() const { return rows_; }
+    std::int32_t width() const { return width_; }
+    /// Of the row's pixels [x0, x1), those spans where isThere(x) for any x. x0 is a span's first pixel.
     template <class IsThere>
     void mark(std::int32_t row, std::int32_t x0, std::int32_t x1, const IsThere& isThere) {
         for (std::int32_t x = x0; x < x1;) {
-            const std::int32_t end = std::min((x / length + 1) * length, x1);
-            bool any = false;
-            for (std::int32_t i = x; i < end; ++i) any |= isThere(i);
-            // Two tiles may share a span.
-            if (any) std::atomic_ref(marks_[place(row, x)]).store(1, std::memory_order_relaxed);
-            x = end;
+            const std::size_t at = word(row, x);
+            const std::int32_t end = std::min(x1, (x / (64 * length) + 1) * (64 * length));
+            std::uint64_t bits = 0;
+            for (; x < end; x += length) {
+                bool any = false;
+                for (std::int32_t i = x; i < std::min(x + length, end); ++i) any |= isThere(i);
+                bits |= std::uint64_t{any} << (x / length % 64);
+            }
+            // Tiles side by side share words, and no spans.
+            if (bits != 0) std::atomic_ref(words_[at]).fetch_or(bits, std::memory_order_relaxed);
         }
     }
-    /// Notes, then the marks as bits: all devices' together are any's.
-    std::span<std::uint64_t> words() {
-        for (std::size_t i = 0; i < marks_.size(); ++i)
-            words_[notes_ + i / 64] |= std::uint64_t{marks_[i] != 0} << i % 64;
-        return words_;
+    /// What is occupied in `other`, which lies within these rows, is so here, too.
+    void add(const OccupiedSpans& other) {
+        std::uint64_t* to = words(other.rows_).data();
+        for (const std::uint64_t from : other.words_) *to++ |= from;
     }
-    std::uint64_t& note(std::size_t i) { return words_[i]; }
+    std::span<std::uint64_t> words() { return words_; }
+    std::span<std::uint64_t> words(const Rows& rows) {
+        return std::span(words_).subspan(first(rows.y0), static_cast<std::size_t>(rows.count()) * perRow_);
+    }
+    /// Of one row.
+    std::int32_t occupied(std::int32_t row) const {
+        std::int32_t spans = 0;
+        for (std::size_t i = first(row); i < first(row + 1); ++i) spans += std::popcount(words_[i]);
+        return spans;
+    }
 
-    /// The marks are now what words() has become. How many elements a packed plane has.
-    std::size_t settle() {
-        before_.clear();
-        std::size_t spans = 0;
-        for (std::size_t word = notes_; word < words_.size(); ++word) {
-            before_.push_back(static_cast<std::uint32_t>(spans));
-            spans += static_cast<std::size_t>(std::popcount(words_[word]));
+    /// What is marked stays so; numbers the spans, row by row.
+    void settle() {
+        before_.resize(words_.size() + 1);
+        std::uint32_t spans = 0;
+        for (std::size_t i = 0; i < words_.size(); ++i) {
+            before_[i] = spans;
+            spans += static_cast<std::uint32_t>(std::popcount(words_[i]));
         }
-        return spans * length;
+        before_.back() = spans;
     }
-    /// work(x, count, at): so many of the row's pixels [x0, x1) lie from `at` on in a packed plane. In pieces as long as they can be.
+    /// Occupied spans before a row; after all of them: how many there are.
+    std::size_t before(std::int32_t row) const { return before_[first(row)]; }
+    /// work(x, count, number): the occupied spans of the row's pixels [x0, x1), each with its number. x0 is a span's first pixel.
     template <class Work>
     void inRow(std::int32_t row, std::int32_t x0, std::int32_t x1, const Work& work) const {
         for (std::int32_t x = x0; x < x1;) {
-            const std::int32_t end = std::min((x / length + 1) * length, x1);
-            if (!isOccupied(place(row, x))) {
-                x = end;
-                continue;
+            const std::size_t at = word(row, x);
+            const std::int32_t left = x / (64 * length) * (64 * length);
+            const std::int32_t end = std::min(x1, left + 64 * length);
+            const int skipped = (x - left) / length, spans = (end - x + length - 1) / length;
+            std::uint64_t bits = words_[at] >> skipped;
+            if (spans < 64) bits &= (std::uint64_t{1} << spans) - 1;
+            std::size_t number =
+                before_[at] +
+                static_cast<std::size_t>(std::popcount(words_[at] & ((std::uint64_t{1} << skipped) - 1)));
+            for (; bits != 0; bits &= bits - 1) {
+                const std::int32_t first = x + std::countr_zero(bits) * length;
+                work(first, std::min(length, end - first), number++);
             }
-            const std::size_t at = packed(place(row, x)) + static_cast<std::size_t>(x % length);
-            std::int32_t last = end;
-            while (last < x1 && isOccupied(place(row, last))) last = std::min(last + length, x1);
-            work(x, last - x, at);
-            x = last;
+            x = end;
         }
     }
-    /// Some elements of packed planes are no pixels'.
-    bool hasRemnants() const { return width_ % length != 0; }
 
   private:
-    std::size_t place(std::int32_t row, std::int32_t x) const {
-        return static_cast<std::size_t>(row) * static_cast<std::size_t>(perRow_) +
-               static_cast<std::size_t>(x / length);
-    }
-    bool isOccupied(std::size_t i) const { return words_[notes_ + i / 64] >> i % 64 & 1; }
-    std::size_t packed(std::size_t i) const {
-        const std::uint64_t below = words_[notes_ + i / 64] & ((std::uint64_t{1} << i % 64) - 1);
-        return (before_[i / 64] + static_cast<std::size_t>(std::popcount(below))) * length;
+    std::size_t first(std::int32_t row) const { return static_cast<std::size_t>(row - rows_.y0) * perRow_; }
+    std::size_t word(std::int32_t row, std::int32_t x) const {
+        return first(row) + static_cast<std::size_t>(x / (64 * length));
     }
 
-    std::int32_t width_ = 0, perRow_ = 0;
-    std::size_t notes_ = 0;
-    std::vector<std::uint8_t> marks_;
+    std::int32_t width_ = 0;
+    Rows rows_;
+    std::size_t perRow_ = 0;
     std::vector<std::uint64_t> words_;
     std::vector<std::uint32_t> before_;  ///< occupied spans before each word
 };

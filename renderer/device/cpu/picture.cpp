@@ -36,15 +36,29 @@ Picture::Picture(const Drawing& drawing, const FramePasses& passes, const Kernel
     area_ = rectOf(shown.area);
 }
 
-Planes Picture::framePlanes(std::uint32_t* out, bool first, Frame& frame) {
+/// Whether all devices do the screen passes, each of its own rows: where these need little of others'.
+void Picture::divideScreen() {
+    if (together() == nullptr) return;
+    const auto looksFar = [](const Pass& pass) {
+        return !(std::holds_alternative<PhongPass>(pass) || std::holds_alternative<ShadowPass>(pass) ||
+                 std::holds_alternative<EyeDomePass>(pass) || std::holds_alternative<OcclusionPass>(pass));
+    };
+    const int rowsOfEach = area_.height() / static_cast<int>(together()->reduction->devices());
+    divided_ = drawing_.reflections().empty() && std::ranges::none_of(passes_.screen, looksFar) &&
+               2 * passes_.reach() <= rowsOfEach;
+    together()->reach = divided_ ? passes_.reach() : passes_.resolve.smooth ? 1 : 0;
+}
+
+/// `out`: of the window; without depth where none is wanted of this frame.
+Planes Picture::framePlanes(const Planes& out) {
     Planes planes;
     planes.area = area_;
     const std::size_t pixels = pixelsOf(area_);
     if (passes_.normals()) planes.normals = grown(buffers_.frame.normals, pixels);
     if (passes_.resolve.smooth) planes.owners = &buffers_.frame.owners;
-    if (same(area_, window_) && shows_) {
-        planes.rgba = out;
-        planes.depth = first && drawing_.depth ? frame.depth.own().data() : nullptr;
+    if (same(area_, window_)) {
+        planes.rgba = out.rgba;
+        planes.depth = out.depth;
     } else {
         planes.rgba = grown(buffers_.frame.rgba, pixels);
     }
@@ -53,17 +67,39 @@ Planes Picture::framePlanes(std::uint32_t* out, bool first, Frame& frame) {
     return planes;
 }
 
-void Picture::crop(const Planes& planes, bool first, std::uint32_t* out, Frame& frame) {
+/// Of the window, those that this device finishes.
+Rows Picture::finishedRows(const Layer& layer) const {
+    const Rows whole{0, window_.height()};
+    if (!divided_) return shows_ ? whole : Rows{};
+    const Rows own = layer.ownRows();
+    const int above = window_.y0 - area_.y0;
+    return Rows{own.y0 - above, own.y1 - above}.intersect(whole);
+}
+
+/// work(first pixel, pixels): in some rows of them at a time.
+template <class Work>
+void Picture::overFinished(const Layer& layer, const Work& work) const {
+    const Rows rows = finishedRows(layer);
+    workers_.overRows(rows.count(), [&](int y0, int y1) {
+        work(std::ptrdiff_t{rows.y0 + y0} * window_.width(), (y1 - y0) * window_.width());
+    });
+}
+
+void Picture::crop(const Layer& layer, const Planes& planes, const Planes& out) {
     const int width = window_.width();
-    float* const depth = first && drawing_.depth ? frame.depth.own().data() : nullptr;
-    workers_.overRows(window_.height(), [&](int y0, int y1) {
-        for (int y = y0; y < y1; ++y) {
-            const std::ptrdiff_t from = planes.at(window_.x0, window_.y0 + y);
-            const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(y) * width;
-            std::copy_n(planes.rgba + from, width, out + to);
-            if (depth) std::copy_n(planes.depth + from, width, depth + to);
+    overFinished(layer, [&](std::ptrdiff_t first, int count) {
+        for (std::ptrdiff_t to = first; to < first + count; to += width) {
+            const std::ptrdiff_t from = planes.at(window_.x0, window_.y0 + static_cast<int>(to / width));
+            std::copy_n(planes.rgba + from, width, out.rgba + to);
+            if (out.depth != nullptr) std::copy_n(planes.depth + from, width, out.depth + to);
         }
     });
+}
+
+void Picture::collect(Layer& layer, const Planes& planes, FrameStats& stats, Receivers to) {
+    const auto start = workers_.now();
+    layer.collect(planes, to);
+    stats.add("collect", workers_.millisecondsSince(start));
 }
 
 void Picture::makeMirrors() {
@@ -90,8 +126,9 @@ void Picture::drawShadowMap(FrameStats& stats) {
     planes.rgba = grown(buffers_.sun.rgba, pixelsOf(planes.area));
     planes.depth = grown(buffers_.sun.depth, pixelsOf(planes.area));
     FrameStats own;  // one stage of the picture's
-    Layer(drawing, sun, layerView, passes, kernels_, workers_, buffers_.tiles, planes.area, together())
-        .draw({0, 0}, planes, own);
+    Layer layer(drawing, sun, layerView, passes, kernels_, workers_, buffers_.tiles, planes.area, together());
+    layer.draw({0, 0}, planes, own);
+    if (together() != nullptr) layer.collect(planes, divided_ ? Receivers::Everybody : Receivers::WhoShows);
     sun_ = ShadowMap{&sun.viewpoint, planes.depth};
     stats.add("shadow map", workers_.millisecondsSince(start));
 }
@@ -106,46 +143,66 @@ void Picture::onMirrors(FrameStats& stats, const Work& work) {
     stats.add("mirrors", workers_.millisecondsSince(start));
 }
 
-void Picture::drawFrame(Layer& layer, const glm::dvec2& jitter, bool first, std::uint32_t* out,
-                        Frame& frame) {
-    const Planes planes = framePlanes(out, first, frame);
-    layer.draw(jitter, planes, frame.stats);
-    onMirrors(frame.stats, [&](MirrorLayer& mirror) { mirror.draw(jitter, planes); });
-    if (!shows_) return;
-    runScreenPasses(passes_.screen, layerView_, jitter, planes, kernels_, workers_, buffers_.screen,
-                    frame.stats, sun_ ? &*sun_ : nullptr);
-    onMirrors(frame.stats, [&](const MirrorLayer& mirror) { mirror.finish(jitter, planes); });
-    if (planes.rgba != out && !workers_.stopped()) crop(planes, first, out, frame);
+void Picture::drawFrame(Layer& layer, const glm::dvec2& jitter, const Planes& out, FrameStats& stats) {
+    const Planes planes = framePlanes(out);
+    layer.draw(jitter, planes, stats);
+    if (together() != nullptr && !divided_) {
+        Planes resolved = planes;
+        if (!passes_.resolve.normals) resolved.normals = nullptr;
+        collect(layer, resolved, stats);
+    }
+    onMirrors(stats, [&](MirrorLayer& mirror) { mirror.draw(jitter, planes); });
+    if ((!shows_ && !divided_) || workers_.stopped()) return;
+    runScreenPasses(passes_.screen, layerView_, jitter, divided_ ? layer.own(planes) : planes, kernels_,
+                    workers_, buffers_.screen, stats, sun_ ? &*sun_ : nullptr);
+    onMirrors(stats, [&](const MirrorLayer& mirror) { mirror.finish(jitter, planes); });
+    if (planes.rgba != out.rgba && !workers_.stopped()) crop(layer, planes, out);
 }
 
-void Picture::accumulate(const std::uint32_t* rgba) {
-    workers_.overRows(window_.height(), [&](int y0, int y1) {
-        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * window_.width();
+void Picture::accumulate(const Layer& layer, const std::uint32_t* rgba) {
+    overFinished(layer, [&](std::ptrdiff_t first, int count) {
         kernels_.accumulate(reinterpret_cast<const std::uint8_t*>(rgba + first),
-                            buffers_.sums.data() + 4 * first, 4 * (y1 - y0) * window_.width());
+                            buffers_.sums.data() + 4 * first, 4 * count);
     });
 }
 
-void Picture::drawAveraged(Layer& layer, Frame& frame) {
+void Picture::drawAveraged(Layer& layer, const Planes& out, FrameStats& stats) {
     const std::size_t pixels = pixelsOf(window_);
-    std::uint32_t* const one = grown(buffers_.one, pixels);
+    Planes one = out;
+    one.rgba = grown(buffers_.one, pixels);
     buffers_.sums.assign(pixels * 4, 0);
-    for (std::size_t i = 0; i < drawing_.jitter.size() && !workers_.stopped(); ++i) {
-        drawFrame(layer, drawing_.jitter[i], i == 0, one, frame);
-        if (!shows_) continue;
+    for (const glm::dvec2& jitter : drawing_.jitter) {
+        drawFrame(layer, jitter, one, stats);
+        if (workers_.stopped()) return;
+        one.depth = nullptr;  // the first frame's
         const auto start = workers_.now();
-        accumulate(one);
-        frame.stats.add("average", workers_.millisecondsSince(start));
+        accumulate(layer, one.rgba);
+        stats.add("average", workers_.millisecondsSince(start));
     }
-    if (!shows_) return;
     const auto start = workers_.now();
-    std::uint8_t* const mean = frame.rgba.own().data();
-    workers_.overRows(window_.height(), [&](int y0, int y1) {
-        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * window_.width();
-        kernels_.average(buffers_.sums.data() + 4 * first, mean + 4 * first, (y1 - y0) * window_.width(),
+    std::uint8_t* const mean = reinterpret_cast<std::uint8_t*>(out.rgba);
+    overFinished(layer, [&](std::ptrdiff_t first, int count) {
+        kernels_.average(buffers_.sums.data() + 4 * first, mean + 4 * first, count,
                          static_cast<int>(drawing_.jitter.size()));
     });
-    frame.stats.add("average", workers_.millisecondsSince(start));
+    stats.add("average", workers_.millisecondsSince(start));
+}
+
+/// Of the window; where others show it, the device's own.
+Planes Picture::windowPlanes(Frame& frame) {
+    const std::size_t pixels = pixelsOf(window_);
+    Planes out;
+    out.area = window_;
+    if (shows_) {
+        frame.rgba.own().resize(pixels * 4);
+        if (drawing_.depth) frame.depth.own().resize(pixels);
+        out.rgba = reinterpret_cast<std::uint32_t*>(frame.rgba.own().data());
+        out.depth = drawing_.depth ? frame.depth.own().data() : nullptr;
+    } else {
+        out.rgba = grown(buffers_.rgba, pixels);
+        out.depth = drawing_.depth ? grown(buffers_.depth, pixels) : nullptr;
+    }
+    return out;
 }
 
 Expected<Frame> Picture::draw() {
@@ -153,8 +210,8 @@ Expected<Frame> Picture::draw() {
     Frame frame;
     frame.width = window_.width();
     frame.height = window_.height();
-    if (shows_) frame.rgba.own().resize(pixelsOf(window_) * 4);
-    if (shows_ && drawing_.depth) frame.depth.own().resize(pixelsOf(window_));
+    const Planes out = windowPlanes(frame);
+    divideScreen();
     Layer layer(drawing_, drawing_.mainView(), layerView_, passes_, kernels_, workers_, buffers_.tiles, area_,
                 together());
     frame.stats.add("nearest", workers_.millisecondsSince(start));
@@ -164,12 +221,11 @@ Expected<Frame> Picture::draw() {
         if (!mirrors_.empty()) frame.stats.add("mirrors", workers_.millisecondsSince(mirrorsStart));
     }
     if (drawing_.sun != nullptr && passes_.castsShadows() && !workers_.stopped()) drawShadowMap(frame.stats);
-    if (drawing_.jitter.size() == 1) {
-        drawFrame(layer, drawing_.jitter[0], true, reinterpret_cast<std::uint32_t*>(frame.rgba.own().data()),
-                  frame);
-    } else {
-        drawAveraged(layer, frame);
-    }
+    if (drawing_.jitter.size() == 1)
+        drawFrame(layer, drawing_.jitter[0], out, frame.stats);
+    else
+        drawAveraged(layer, out, frame.stats);
+    if (divided_) collect(layer, out, frame.stats);
     if (workers_.stopped())
         return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
     tellCuts(drawing_.cuts, frame.stats);

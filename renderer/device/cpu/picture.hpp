@@ -22,6 +22,8 @@ struct Buffers {
     Together together;
     std::vector<std::uint32_t> one;  ///< a frame to be averaged
     std::vector<std::uint16_t> sums;
+    std::vector<std::uint32_t> rgba;  ///< of the window, where others show it
+    std::vector<float> depth;
 };
 
 class Picture {
@@ -33,15 +35,21 @@ class Picture {
 
   private:
     Together* together() { return buffers_.together.reduction != nullptr ? &buffers_.together : nullptr; }
-    Planes framePlanes(std::uint32_t* out, bool first, Frame& frame);
+    Planes windowPlanes(Frame& frame);
+    Planes framePlanes(const Planes& out);
     template <class Work>
     void onMirrors(FrameStats& stats, const Work& work);
-    void drawFrame(Layer& layer, const glm::dvec2& jitter, bool first, std::uint32_t* out, Frame& frame);
+    void drawFrame(Layer& layer, const glm::dvec2& jitter, const Planes& out, FrameStats& stats);
     void makeMirrors();
+    void divideScreen();
+    void collect(Layer& layer, const Planes& planes, FrameStats& stats, Receivers to = Receivers::WhoShows);
+    Rows finishedRows(const Layer& layer) const;
+    template <class Work>
+    void overFinished(const Layer& layer, const Work& work) const;
     void drawShadowMap(FrameStats& stats);
-    void crop(const Planes& planes, bool first, std::uint32_t* out, Frame& frame);
-    void drawAveraged(Layer& layer, Frame& frame);
-    void accumulate(const std::uint32_t* rgba);
+    void crop(const Layer& layer, const Planes& planes, const Planes& out);
+    void drawAveraged(Layer& layer, const Planes& out, FrameStats& stats);
+    void accumulate(const Layer& layer, const std::uint32_t* rgba);
 
     const Drawing& drawing_;
     const FramePasses& passes_;
@@ -49,6 +57,7 @@ class Picture {
     const Workers workers_;
     Buffers& buffers_;
     const bool shows_;
+    bool divided_ = false;  ///< all devices finish rows of their own, and who shows gets pixels
     LayerView layerView_;
     Rect window_;
     Rect area_;  ///< the window, and what screen passes look at beyond it

@@ -9,7 +9,7 @@ namespace {
 constexpr double cyclesPerPixel = 4;      // clear and resolve
 constexpr double projectionShare = 0.25;  // of a run's work is done in every tile that it touches
 constexpr int smallestSide = 32;
-constexpr int snap = 16;  // borders on multiples of a cache line of rgba
+constexpr int snap = tileSteps;  // borders on multiples of a cache line of rgba
 constexpr int bins = 64;
 
 double workInside(const PreparedRun& run, const Rect& area) {
@@ -53,7 +53,7 @@ int cutPosition(const Tile& tile, std::span<const PreparedRun> runs, bool vertic
     const int wished =
         start + static_cast<int>(length * (double(bin) + (total / 2 - sum) / histogram[bin]) / bins);
     const int snapped = start + (wished - start + snap / 2) / snap * snap;
-    return std::clamp(snapped, start + smallestSide, start + length - smallestSide);
+    return std::clamp(snapped, start + smallestSide, start + (length - smallestSide) / snap * snap);
 }
 
 bool canCut(const Rect& r) {

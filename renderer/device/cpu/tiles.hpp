@@ -23,6 +23,9 @@ struct Tile {
 /// Ki 8.1 ms).
 inline constexpr int maxTilePixels = 256 * 1024;
 
+/// Tiles meet at multiples of so many pixels from the area's first one.
+inline constexpr int tileSteps = 16;
+
 /// At least `wanted` tiles, as far as tiles do not become tiny; heaviest first. They cover `area` exactly.
 std::vector<Tile> cutIntoTiles(const Rect& area, std::span<const PreparedRun> runs, int wanted);
 

@@ -75,20 +75,16 @@ struct Reload::Wanted {
     json effective;
 };
 
-Reload::Reload(GivenFlags given, ServeOptions options, json effective, ScancastServer& server,
-               CloudSources& clouds)
-    : given_(std::move(given)),
-      running_(std::move(options)),
-      effective_(std::move(effective)),
-      server_(server),
-      clouds_(clouds) {}
+Reload::Reload(StartedWith started, ServeOptions options, ScancastServer& server, CloudSources& clouds)
+    : started_(std::move(started)), running_(std::move(options)), server_(server), clouds_(clouds) {}
 
 // As at the start: the command line and the environment, then the file, then the rules between flags.
 Expected<Reload::Wanted> Reload::readConfiguration() const {
     CLI::App app;
     Wanted wanted;
     addServeFlags(app, wanted.options);
-    if (auto ok = applyGivenFlags(app, given_); !ok) return passOn(ok);
+    if (started_.moreFlags) started_.moreFlags(app);
+    if (auto ok = applyGivenFlags(app, started_.given); !ok) return passOn(ok);
     if (!running_.config.empty())
         if (auto ok = applyConfigFile(app, running_.config); !ok) return passOn(ok);
     if (auto ok = findFiles(wanted.options); !ok) return passOn(ok);
@@ -161,7 +157,7 @@ void Reload::run() {
         takeCertificate(options, reloaded);
         takeClouds(options, reloaded);
         if (wanted) {
-            const auto flags = changedFlags(effective_, wanted->effective);
+            const auto flags = changedFlags(started_.effective, wanted->effective);
             reloaded.forRestart.insert(reloaded.forRestart.end(), flags.begin(), flags.end());
         }
         const bool sound = reloaded.kept.empty();

@@ -5,6 +5,9 @@
 // Owned by the command, on the main thread. Place: signals → **reload** → access, certificate, loader.
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -24,12 +27,18 @@ struct Reloaded {
 /// One line for the log.
 std::string summary(const Reloaded& reloaded);
 
+/// How the server was started.
+struct StartedWith {
+    GivenFlags
+        given;  ///< on the command line and in the environment, which goes before the file now as at the start
+    nlohmann::json effective;                    ///< its options, as effectiveConfig() tells them
+    std::function<void(CLI::App&)> moreFlags{};  ///< that are no flags of serve's
+};
+
 class Reload {
   public:
-    /// `given`: what stood on the command line and in the environment, which goes before the file now as at the start.
-    /// `options`: those that the server was started with; `effective`: the same, as effectiveConfig() tells them.
-    Reload(GivenFlags given, ServeOptions options, nlohmann::json effective, ScancastServer& server,
-           CloudSources& clouds);
+    /// `options`: those that the server was started with.
+    Reload(StartedWith started, ServeOptions options, ScancastServer& server, CloudSources& clouds);
     /// Says all of it in the log, and counts it.
     void run();
 
@@ -40,9 +49,8 @@ class Reload {
     void takeCertificate(const ServeOptions& wanted, Reloaded& reloaded);
     void takeClouds(const ServeOptions& wanted, Reloaded& reloaded);
 
-    const GivenFlags given_;
-    ServeOptions running_;            // what holds: of the start, but for what has been taken since
-    const nlohmann::json effective_;  // of the start
+    const StartedWith started_;
+    ServeOptions running_;  // what holds: of the start, but for what has been taken since
     ScancastServer& server_;
     CloudSources& clouds_;
 };

@@ -218,7 +218,8 @@ Expected<void> checkSomethingIsThere(const ServeOptions& options) {
     return tl::unexpected(std::move(*first));
 }
 
-int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, const ServeParts& parts) {
+int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, const ServeParts& parts,
+          const std::function<void(CLI::App&)>& moreFlags) {
     auto manager = ServiceManager::fromEnvironment();
     if (!manager) return failure(manager.error());
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
@@ -239,6 +240,7 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, cons
     const auto damage = std::make_shared<DamageReports>();
     options.server.cache = blockCache(shares.clouds, damage);
     if (parts.clouds) options.server.cache = parts.clouds(std::move(options.server.cache));
+    options.server.ranks = parts.ranks;
     options.server.scheduler.memory = TransientMemory(shares.transient);
     options.server.scheduler.maxFrameBytes = options.server.scheduler.memory.forFrames();
     options.server.kept = keptClouds(options);
@@ -262,7 +264,7 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, cons
         return sources.loader().load(std::move(input), id);
     });
     Service service(std::move(*manager));
-    Reload reload(std::move(given), options, std::move(effective), **server, sources);
+    Reload reload({std::move(given), std::move(effective), moreFlags}, options, **server, sources);
     Upkeep upkeep(sources, reload, signals);
     const int exitCode = waitForTheEnd(**server, sources, options, signals, service, upkeep);
     service.report(**server, true);
@@ -286,23 +288,25 @@ int checkConfig(const CLI::App& command, ServeOptions options) {
     return printed ? 0 : failure(printed.error());
 }
 
-int run(CLI::App& command, ServeOptions& options, const ServeAs& as) {
+int run(CLI::App& command, ServeOptions& options, const ServeCommand& serves) {
     GivenFlags given = givenFlags(command);
     if (!options.config.empty()) {
         if (auto applied = applyConfigFile(command, options.config); !applied)
             return failure(applied.error());
     }
     if (options.checkConfig) return checkConfig(command, options);
-    return as(options, [&](const ServeParts& parts) {
-        return serve(options, std::move(given), effectiveConfig(command), parts);
+    return serves.as(options, [&](const ServeParts& parts) {
+        return serve(options, std::move(given), effectiveConfig(command), parts, serves.flags);
     });
 }
 
 }  // namespace
 
 void addServe(CLI::App& app, int& exitCode) {
-    CLI::App* const command = addServeAs(app, exitCode, "Serve clouds to browsers and programs",
-                                         [](ServeOptions&, const ServeWith& serve) { return serve({}); });
+    CLI::App* const command =
+        addServeAs(app, exitCode,
+                   {.description = "Serve clouds to browsers and programs",
+                    .as = [](ServeOptions&, const ServeWith& serve) { return serve({}); }});
     command->footer(
         "Every option can also be set in the environment: --max-pixels is SCANCAST_MAX_PIXELS.\n"
         "Example: scancast serve town.las room.ply --port 9000\n"
@@ -315,12 +319,14 @@ void addServe(CLI::App& app, int& exitCode) {
         "         scancast serve --config /etc/scancast.json --check-config");
 }
 
-CLI::App* addServeAs(CLI::App& app, int& exitCode, const std::string& description, ServeAs as) {
+CLI::App* addServeAs(CLI::App& app, int& exitCode, ServeCommand serve) {
     auto options = std::make_shared<ServeOptions>();
-    CLI::App* const command = app.add_subcommand("serve", description);
+    CLI::App* const command = app.add_subcommand(serve.name, serve.description);
     addServeFlags(*command, *options);
-    command->callback(
-        [options, command, as = std::move(as), &exitCode] { exitCode = run(*command, *options, as); });
+    if (serve.flags) serve.flags(*command);
+    command->callback([options, command, serve = std::move(serve), &exitCode] {
+        exitCode = run(*command, *options, serve);
+    });
     return command;
 }
 

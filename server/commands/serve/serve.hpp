@@ -8,6 +8,7 @@
 #include <string>
 
 #include "renderer/residency/block_cache.hpp"
+#include "server/base/metrics.hpp"
 #include "server/commands/serve_options.hpp"
 #include "server/scheduler/picture_order.hpp"
 
@@ -18,6 +19,7 @@ struct ServeParts {
     /// Made of the block cache that the clouds would have lived in.
     std::function<std::shared_ptr<BlockCache>(std::shared_ptr<BlockCache>)> clouds;
     std::function<OpenPainter(const DeviceOptions&)> painter;
+    std::function<RanksStats()> ranks;  ///< for /metrics
 };
 
 /// Serves until it is told to stop; the exit code. Called once at most.
@@ -25,7 +27,16 @@ using ServeWith = std::function<int(const ServeParts&)>;
 /// What the command does once its flags are read: it may change the options, and serves or does not. The exit code.
 using ServeAs = std::function<int(ServeOptions&, const ServeWith&)>;
 
-/// The subcommand `serve`, without a footer. Its callback sets `exitCode`.
-CLI::App* addServeAs(CLI::App& app, int& exitCode, const std::string& description, ServeAs as);
+/// A subcommand of that name that has the flags of serve.
+struct ServeCommand {
+    std::string name = "serve";
+    std::string description;
+    ServeAs as;
+    /// Adds flags of its own; also to an app that nobody runs, when the configuration is read again.
+    std::function<void(CLI::App&)> flags{};
+};
+
+/// Without a footer. Its callback sets `exitCode`.
+CLI::App* addServeAs(CLI::App& app, int& exitCode, ServeCommand serve);
 
 }  // namespace scancast

@@ -277,6 +277,7 @@ struct Api::Answers {
             api.metrics_.setKeptClouds(kept.bytes, kept.limit, kept.evicted);
         }
         if (api.options_.remote) api.metrics_.setRemote(api.options_.remote->stats());
+        if (api.options_.ranks) api.metrics_.setRanks(api.options_.ranks());
         api.metrics_.setMemory(api.options_.memory);
         api.metrics_.setQueues(api.scheduler_.queues());
         api.metrics_.setRenderSaturation(api.scheduler_.saturation());

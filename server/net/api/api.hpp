@@ -44,8 +44,9 @@ struct ApiOptions {
     Rates rates = shippedRates();
     CostLimits costs{};
     TransientMemory memory{};
-    std::string probesHost{};       ///< of --admin-listen; a Host there may name it
-    std::string strictTransport{};  ///< of answers that go through TLS; empty = none
+    std::string probesHost{};             ///< of --admin-listen; a Host there may name it
+    std::string strictTransport{};        ///< of answers that go through TLS; empty = none
+    std::function<RanksStats()> ranks{};  ///< for /metrics; may be empty
 };
 
 class Api {

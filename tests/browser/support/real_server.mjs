@@ -12,22 +12,30 @@ export class RealServer {
   #program;
   #files;
   #flags;
+  #environment;
   #child;
   #log = '';
   #proxy;
   #address;
   port = 0;
 
-  constructor(program, files, flags = []) {
+  constructor(program, files, flags = [], environment = {}) {
     this.#program = program;
     this.#files = files;
     this.#flags = flags;
+    this.#environment = environment;
+  }
+
+  /** The end of what it has said on standard error. */
+  get log() {
+    return this.#log;
   }
 
   /** Returns the URL that it prints. */
   async start() {
-    this.#child = spawn(this.#program, ['serve', ...this.#files, '--port', String(this.port), ...this.#flags], { stdio: ['ignore', 'pipe', 'pipe'] });
-    this.#child.stderr.on('data', (data) => { this.#log = (this.#log + data).slice(-4000); });
+    this.#child = spawn(this.#program, ['serve', ...this.#files, '--port', String(this.port), ...this.#flags],
+      { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, ...this.#environment } });
+    this.#child.stderr.on('data', (data) => { this.#log = (this.#log + data).slice(-40_000); });
     const url = await new Promise((done, failed) => {
       const timer = setTimeout(() => failed(this.#error('said no address in time')), startMs);
       let text = '';

@@ -36,6 +36,8 @@ export class Viewer {
   drained = 0;
   /** Of the last frame: flags, seq, picture. */
   last = null;
+  /** Called with each of them, and when it came, ms. */
+  onFrame = () => {};
 
   constructor(url, { width = 192, height = 108, number = 0 } = {}) {
     this.#url = url;
@@ -59,6 +61,18 @@ export class Viewer {
 
   rest() {
     clearInterval(this.#timer);
+  }
+
+  /** Moving frames are as sharp as stills, however long they take. */
+  wantSharpness() {
+    this.#send(this.#socket, { type: 'quality', minResolution: 1, maxDetail: 0 });
+  }
+
+  /** Back to where it began; with the next final still the picture of then. */
+  lookAsAtFirst() {
+    this.camera = this.#first;
+    ++this.seq;
+    this.#send(this.#socket, { type: 'view', seq: this.seq, camera: this.camera });
   }
 
   /** Resolves when the final still of the view that was sent last is there. */
@@ -168,7 +182,8 @@ export class Viewer {
     if (socket === this.#socket) this.frame = id;
     this.frames.push(performance.now());
     if (this.frames.length > 100_000) this.frames.splice(0, 50_000);
-    this.last = { final: (data[9] & 4) !== 0, seq: Number(data.readBigUInt64LE(24)), picture: data.subarray(data.readUInt16LE(6)) };
+    this.last = { final: (data[9] & 4) !== 0, away: (data[9] & 16) !== 0, seq: Number(data.readBigUInt64LE(24)), picture: data.subarray(data.readUInt16LE(6)) };
+    this.onFrame(this.last, this.frames.at(-1));
     this.#waiting.splice(0).forEach((done) => done());
   }
 }

@@ -223,7 +223,7 @@ int run(const std::string& path) {
     if (!mpi) return 1;
     const Communicator& ranks = (*mpi)->world();
     const Communicator opening(ranks.handle(), {});
-    const int wrong = reductionsAddUp(ranks);
+    const int wrong = spansArrive(ranks);
     if (!ranks.isFirst()) {
         OpenedClouds clouds(cacheOf(memory), {std::uint32_t(ranks.rank()), std::uint32_t(ranks.size())},
                             opening);

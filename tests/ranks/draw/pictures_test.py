@@ -109,7 +109,7 @@ class PicturesByRanks(unittest.TestCase):
         done = subprocess.run(by_ranks(3, os.path.join(PROGRAMS, "scancast-ranks"), "render", self.cloud, "-o", output,
                                        "--stats", "json", *FLAGS), timeout=PATIENCE, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertGreater(json.loads(done.stdout)["bytesReducedPerFrame"], 0)
+        self.assertGreater(json.loads(done.stdout)["bytesSentPerFrame"], 0)
         with open(output, "rb") as file:
             self.assertEqual(file.read(), self.alone())
 

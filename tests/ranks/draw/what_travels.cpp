@@ -12,25 +12,48 @@
 
 namespace scancast {
 
-int reductionsAddUp(const Communicator& ranks) {
+int spansArrive(const Communicator& ranks) {
     RankTraffic traffic;
     RankReduction reduction(ranks, traffic, [] {});
-    const std::int64_t n = ranks.size(), own = ranks.rank();
-    std::vector<std::int32_t> narrow{std::int32_t(own + 1), -std::int32_t(own)};
-    std::vector<std::int64_t> wide{own + (std::int64_t{1} << 40), -(own << 33)};
-    std::vector<cpu::Key> keys{(std::int64_t{100} - own) << 32, own};
-    std::vector<std::uint32_t> words{1u << own};
-    reduction.add(std::span(narrow));
-    reduction.add(std::span(wide));
-    reduction.least(keys, cpu::Receivers::Everybody);
-    reduction.join(words);
-    const std::int64_t all = n * (n - 1) / 2;
-    bool sound = keys[0] == (std::int64_t{101} - n) << 32 && keys[1] == 0;
-    if (ranks.isFirst())
-        sound = sound && narrow[0] == all + n && narrow[1] == -all && wide[0] == all + (n << 40) &&
-                wide[1] == -(all << 33) && words[0] == (1u << n) - 1;
-    if (!sound)
-        fmt::print(stderr, "rank {}: reductions are not the sums, the least, the words of all\n", own);
+    const auto n = std::size_t(ranks.size()), own = std::size_t(ranks.rank());
+    // As many spans as the sender's number, each with the sender in its first byte and the receiver in its last; the last rank
+    // gets nothing.
+    const auto spansFrom = [](std::size_t from) { return from; };
+    std::vector<std::vector<std::uint64_t>> marksOut(n), marksIn(n);
+    std::vector<std::vector<std::byte>> out(n);
+    std::vector<cpu::SentSpans> sent(n);
+    std::vector<cpu::ReceivedSpans> received(n);
+    for (std::size_t r = 0; r < n; ++r) {
+        if (r == own) continue;
+        if (r + 1 < n || n == 1) {
+            marksOut[r] = {0, (std::uint64_t{1} << spansFrom(own)) - 1};
+            out[r].resize(128 * spansFrom(own));
+            for (std::size_t i = 0; i < spansFrom(own); ++i) {
+                out[r][128 * i] = std::byte(own);
+                out[r][128 * i + 127] = std::byte(r);
+            }
+            sent[r] = {marksOut[r], out[r]};
+        }
+        if (own + 1 < n) {
+            marksIn[r] = {7, 7};
+            received[r].marks = marksIn[r];
+        }
+    }
+    std::size_t arrivals = 0;
+    bool sound = true;
+    reduction.exchange(sent, received, 128, [&](std::uint32_t from) {
+        ++arrivals;
+        sound = sound &&
+                marksIn[from] == std::vector<std::uint64_t>{0, (std::uint64_t{1} << spansFrom(from)) - 1} &&
+                received[from].spans.size() == 128 * spansFrom(from);
+        for (std::size_t i = 0; sound && i < spansFrom(from); ++i)
+            sound = received[from].spans[128 * i] == std::byte(from) &&
+                    received[from].spans[128 * i + 127] == std::byte(own);
+    });
+    sound = sound && arrivals == (own + 1 < n ? n - 1 : 0);
+    std::uint64_t word = std::uint64_t{1} << own;
+    sound = reduction.agree(std::span(&word, 1)) && word == (std::uint64_t{1} << n) - 1 && sound;
+    if (!sound) fmt::print(stderr, "rank {}: what was sent is not what arrived\n", own);
     return sound ? 0 : 1;
 }
 

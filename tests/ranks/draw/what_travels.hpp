@@ -6,8 +6,8 @@
 
 namespace scancast {
 
-/// All ranks call it. What is reduced is everybody's, as numbers: in 32 bits and in 64, of sums that take more than 32.
-int reductionsAddUp(const Communicator& ranks);
+/// All ranks call it. Spans and words that are exchanged arrive where they belong: some, none, and nothing at all.
+int spansArrive(const Communicator& ranks);
 /// A drawing in which nothing is as it is by default arrives.
 int everythingTravels();
 

@@ -39,6 +39,11 @@ class FakeCloudFile final : public CloudFile {
 
     const std::filesystem::path& path() const override { return path_; }
     std::uint64_t bytes() const override { return 0; }
+    bool isRemote() const override { return remote_; }
+    bool isAway() const override { return away_; }
+    /// Before anybody opens it: it comes over a network.
+    void beRemote() { remote_ = true; }
+    void setAway(bool away) { away_ = away; }
     const CloudFacts& facts() const override { return facts_; }
     std::span<const StoredNode> nodes() const override { return stored_; }
     std::span<const ValuePlane> planes() const override { return planes_; }
@@ -139,7 +144,8 @@ class FakeCloudFile final : public CloudFile {
     std::chrono::microseconds delay_{0};
     std::set<std::uint32_t> damaged_, damagedCurvatures_;
     std::vector<ValuePlane> planes_;
-    bool open_ = true;
+    bool open_ = true, remote_ = false;
+    std::atomic<bool> away_{false};
 };
 
 inline Octree octreeOf(const CloudFile& file, std::shared_ptr<SampleStore> store) {

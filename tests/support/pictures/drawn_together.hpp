@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <barrier>
+#include <bit>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -28,12 +29,11 @@ class Meeting {
     /// Called by the first device each time that all of them meet.
     std::function<void()> onMeeting = [] {};
     int meetings = 0;
-    int narrowSums = 0, wideSums = 0;  ///< reductions of 32 and of 64 bits
 
   private:
     struct Brought {
-        void* first = nullptr;
-        std::size_t count = 0;
+        std::span<std::uint64_t> words;
+        std::span<const cpu::SentSpans> sent;
         std::stop_token wanted;
         std::stop_source agreed;
     };
@@ -43,7 +43,7 @@ class Meeting {
         Seat(Meeting& meeting, std::size_t number) : meeting_(meeting), number_(number) {}
 
         std::uint32_t devices() const override { return static_cast<std::uint32_t>(meeting_.seats_.size()); }
-        bool shows() const override { return number_ == 0; }
+        std::uint32_t number() const override { return static_cast<std::uint32_t>(number_); }
         std::stop_token begin(std::stop_token stop, const Pause*) override {
             Brought& own = meeting_.seats_[number_];
             own.wanted = std::move(stop);
@@ -55,7 +55,16 @@ class Meeting {
                 ++meeting_.meetings;
                 meeting_.onMeeting();
             }
-            meet(words, cpu::Receivers::Everybody, [](std::uint64_t a, std::uint64_t b) { return a | b; });
+            meeting_.seats_[number_].words = words;
+            meeting_.barrier_.arrive_and_wait();
+            std::vector<std::uint64_t> all(words.begin(), words.end());
+            for (const Brought& other : meeting_.seats_) {
+                if (other.words.size() != words.size())
+                    throw std::logic_error("They agree on different things.");
+                for (std::size_t k = 0; k < all.size(); ++k) all[k] |= other.words[k];
+            }
+            meeting_.barrier_.arrive_and_wait();
+            std::ranges::copy(all, words.begin());
             // Between meetings nobody's changes.
             const bool stopped = std::ranges::any_of(
                 meeting_.seats_, [](const Brought& b) { return b.wanted.stop_requested(); });
@@ -63,46 +72,31 @@ class Meeting {
             if (stopped) meeting_.seats_[number_].agreed.request_stop();
             return !stopped;
         }
-        void least(std::span<cpu::Key> keys, cpu::Receivers to) override {
-            meet(keys, to, [](cpu::Key a, cpu::Key b) { return std::min(a, b); });
-        }
-        void add(std::span<std::int32_t> sums) override {
-            if (number_ == 0) ++meeting_.narrowSums;
-            meet(sums, cpu::Receivers::WhoShows, [](std::int32_t a, std::int32_t b) { return a + b; });
-        }
-        void add(std::span<std::int64_t> sums) override {
-            if (number_ == 0) ++meeting_.wideSums;
-            meet(sums, cpu::Receivers::WhoShows, [](std::int64_t a, std::int64_t b) { return a + b; });
-        }
-        void giveUp(const Error& error) override { throw std::runtime_error(error.message); }
-        void join(std::span<std::uint32_t> words) override {
-            meet(words, cpu::Receivers::WhoShows, [](std::uint32_t a, std::uint32_t b) {
-                return a == 0 || b == 0 ? a | b : 0xdeadbeef;  // two owners: a picture that is wrong
-            });
-        }
-
-      private:
-        template <class T, class Reduce>
-        void meet(std::span<T> own, cpu::Receivers to, const Reduce& reduce) {
-            Brought& seat = meeting_.seats_[number_];
-            seat.first = own.data();
-            seat.count = own.size();
+        void exchange(std::span<const cpu::SentSpans> sent, std::span<cpu::ReceivedSpans> received,
+                      std::size_t bytesOfSpan, const Arrived& arrived) override {
+            meeting_.seats_[number_].sent = sent;
             meeting_.barrier_.arrive_and_wait();
-            std::vector<T> all(own.size(), T(0x5a5a5a5a));  // unless somebody is to look at it
-            if (shows() || to == cpu::Receivers::Everybody) {
-                all.assign(own.begin(), own.end());
-                for (std::size_t i = 0; i < meeting_.seats_.size(); ++i) {
-                    const Brought& other = meeting_.seats_[i];
-                    if (i == number_ || other.count != own.size()) continue;
-                    const T* const from = static_cast<const T*>(other.first);
-                    for (std::size_t k = 0; k < all.size(); ++k) all[k] = reduce(all[k], from[k]);
-                }
+            std::vector<std::vector<std::byte>> spans(sent.size());
+            for (std::size_t d = 0; d < sent.size(); ++d) {
+                const cpu::SentSpans& theirs = meeting_.seats_[d].sent[number_];
+                std::size_t marked = 0;
+                for (const std::uint64_t word : theirs.marks)
+                    marked += static_cast<std::size_t>(std::popcount(word));
+                if (theirs.marks.size() != received[d].marks.size() ||
+                    marked * bytesOfSpan != theirs.spans.size())
+                    throw std::logic_error("What is sent is not what is expected.");
+                std::ranges::copy(theirs.marks, received[d].marks.begin());
+                spans[d].assign(theirs.spans.begin(), theirs.spans.end());
+                received[d].spans = spans[d];
             }
             meeting_.barrier_.arrive_and_wait();
-            std::ranges::copy(all, own.begin());
-            meeting_.barrier_.arrive_and_wait();
+            // The last is the first to come.
+            for (std::size_t d = sent.size(); d-- > 0;)
+                if (!received[d].marks.empty()) arrived(static_cast<std::uint32_t>(d));
         }
+        void giveUp(const Error& error) override { throw std::runtime_error(error.message); }
 
+      private:
         Meeting& meeting_;
         const std::size_t number_;
     };

@@ -9,6 +9,7 @@
 
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/build/chunks/chunk_layout.hpp"
+#include "renderer/cloud/build/chunks/ordered_cells.hpp"
 #include "renderer/cloud/build/workspace.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
@@ -56,21 +57,33 @@ TEST(CountingGrid, CountsAsAMapDoes) {
     }
 }
 
-TEST(CountingGrid, IsTheSameMadeOfItsCells) {
+OrderedCells listOf(const CountingGrid& grid) {
+    return {.frame = grid.frame(), .cells = grid.cells()};
+}
+
+void expectSameCells(const OrderedCells& a, const OrderedCells& b) {
+    EXPECT_EQ(a.frame.cellLevel, b.frame.cellLevel);
+    EXPECT_EQ(a.frame.first, b.frame.first);
+    ASSERT_EQ(a.cells.size(), b.cells.size());
+    for (std::size_t i = 0; i < a.cells.size(); ++i)
+        ASSERT_TRUE(a.cells[i].key == b.cells[i].key && a.cells[i].points == b.cells[i].points) << i;
+}
+
+// Right because a grid that counted all points itself has put nothing together.
+TEST(OrderedCells, JoinedListsAreTheGridOfAll) {
     const auto points = randomPoints(5'000, std::uint64_t(1) << 33);
     const GridBox box = boxOf(points);
-    CountingGrid own(box), other(box);
+    CountingGrid own(box), other(box), whole(box);
     own.add(std::span(points).first(3'000));
     other.add(std::span(points).subspan(3'000));
-    CountingGrid sent = CountingGrid::of(box, other.frame().cellLevel, other.cells());
-    own.join(sent);
-    CountingGrid whole(box);
     whole.add(points);
-    EXPECT_EQ(own.frame().cellLevel, whole.frame().cellLevel);
-    const auto a = own.cells(), b = whole.cells();
-    ASSERT_EQ(a.size(), b.size());
-    for (std::size_t i = 0; i < a.size(); ++i)
-        ASSERT_TRUE(a[i].key == b[i].key && a[i].points == b[i].points);
+    expectSameCells(joined(listOf(own), listOf(other), box), listOf(whole));
+    const OrderedCells nothing{.frame = frameOf(box, own.frame().cellLevel), .cells = {}};
+    expectSameCells(joined(nothing, listOf(whole), box), listOf(whole));
+    // One of them coarser than the other.
+    const int coarser = own.frame().cellLevel + 3;
+    whole.coarsenTo(coarser);
+    expectSameCells(joined(listOf(own), coarsened(listOf(other), box, coarser), box), listOf(whole));
 }
 
 // A cube full of points has more cells than may be counted: the grid coarsens, to the same cellLevel from any
@@ -89,11 +102,10 @@ TEST(CountingGrid, TheRungDependsOnTheSetAlone) {
     rest.add(std::span(points).subspan(700'000));
     backward.join(rest);
     EXPECT_LE(forward.cells().size(), CountingGrid::mostCells);
-    EXPECT_EQ(forward.frame().cellLevel, backward.frame().cellLevel);
-    const auto a = forward.cells(), b = backward.cells();
-    ASSERT_EQ(a.size(), b.size());
-    for (std::size_t i = 0; i < a.size(); ++i)
-        ASSERT_TRUE(a[i].key == b[i].key && a[i].points == b[i].points);
+    expectSameCells(listOf(forward), listOf(backward));
+    CountingGrid first(box);
+    first.add(std::span(points).first(700'000));
+    expectSameCells(joined(listOf(first), listOf(rest), box), listOf(forward));
 }
 
 TEST(ChunkLayout, EveryCellGoesToOneChunkAndHalosAreWhatLiesAround) {

@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/cloud/forwarding_source.hpp"
 #include "renderer/cloud/positions.hpp"
 
 namespace scancast::test {
@@ -52,6 +55,33 @@ class GridScan final : public PointSource {
     const StepGrid grid_;
     ScanHeader header_;
     int at_ = 0;
+};
+
+/// And at its end a point that does not lie on the grid. Or all as coordinates of a scan without one.
+class ScanWithStray final : public ForwardingSource {
+  public:
+    explicit ScanWithStray(bool asDoubles)
+        : ForwardingSource(std::make_unique<GridScan>(GridScan::As::StepsOfShiftedGrids)),
+          header_(source().header()),
+          asDoubles_(asDoubles) {
+        if (asDoubles) header_.gridStep = glm::dvec3(0);
+    }
+    const ScanHeader& header() const override { return header_; }
+    Expected<bool> read(PointBatch& batch) override {
+        auto more = source().read(batch);
+        if (more && !*more && !std::exchange(hasStrayed_, true)) {
+            batch.position.push_back(centimetres.origin + 0.123456);
+            batch.intensity.push_back(7);
+            return true;
+        }
+        if (asDoubles_) (void)batch.position.doubles();
+        return more;
+    }
+
+  private:
+    ScanHeader header_;
+    const bool asDoubles_;
+    bool hasStrayed_ = false;
 };
 
 }  // namespace
@@ -105,6 +135,20 @@ TEST(Positions, TheCloudIsTheSame) {
     }
     EXPECT_EQ(revisions[1], revisions[0]);
     EXPECT_EQ(revisions[2], revisions[0]);
+}
+
+// Right because coordinates are what steps mean: to the last bit, though 0.01 is no sum of powers of two, and whatever comes after them.
+TEST(Positions, WhatComesBeforeAStrayPointStaysWhereItIs) {
+    std::vector<std::string> revisions;
+    for (const bool asDoubles : {true, false}) {
+        ScanWithStray scan(asDoubles);
+        const auto cloud = buildCloud(scan, {});
+        ASSERT_TRUE(cloud) << cloud.error().message;
+        EXPECT_EQ((*cloud)->points, 5001U);
+        EXPECT_FALSE((*cloud)->grid);
+        revisions.push_back((*cloud)->revision);
+    }
+    EXPECT_EQ(revisions[1], revisions[0]);
 }
 
 TEST(Positions, CoordinatesThatNoScanHasAreRefused) {

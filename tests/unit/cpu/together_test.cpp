@@ -61,7 +61,7 @@ class Together : public testing::Test {
             View changed = view(method.name);
             change(changed);
             devices = devices % 4 + 1;  // each number with some of the methods
-            expectSame(changed, devices);
+            expectSame(changed, devices, changed.style.mirrors);
         }
     }
 
@@ -134,6 +134,40 @@ TEST_F(Together, FilteredAndByWhatSamplesKnow) {
         const auto together = drawTogether(meeting, 3, *whole, 1);
         ASSERT_TRUE(together) << together.error().message;
         EXPECT_TRUE(std::ranges::equal(alone->rgba, together->rgba));
+    }
+}
+
+/// Without a mirror each device finishes rows of its own: with what passes look at around them.
+TEST_F(Together, TheScreenIsDivided) {
+    inEveryMethod([](View& view) {
+        view.style.mirrors = false;
+        view.quality.samples = 4;
+        view.style.light.sun = {{200, 35}};
+        view.style.light.shadow = 0.8;
+        view.style.shading = Shading::Phong;
+    });
+    for (const std::uint32_t devices : {2u, 4u}) {
+        for (const std::string_view method : {"point", "paraboloid", "hqs", "voronoi"}) {
+            SCOPED_TRACE(std::string(method) + ", devices: " + std::to_string(devices));
+            View changed = view(method);
+            changed.style.mirrors = false;
+            if (method == "paraboloid") changed.style.parameters["smooth"] = true;
+            changed.style.shading = method == "voronoi" ? Shading::Phong : Shading::EyeDome;
+            changed.style.light.occlusion = 0.5;
+            expectSame(changed, devices, false);
+        }
+    }
+}
+
+TEST_F(Together, FewerRowsThanDevices) {
+    for (const std::string_view method : {"point", "paraboloid", "ewa", "pyramid"}) {
+        SCOPED_TRACE(method);
+        View low = view(method);
+        low.height = 3;
+        low.style.mirrors = false;
+        if (method == "paraboloid") low.style.parameters["smooth"] = true;
+        low.style.shading = Shading::Phong;
+        expectSame(low, 4, false);
     }
 }
 

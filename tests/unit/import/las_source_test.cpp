@@ -184,6 +184,38 @@ TEST(LasSource, OneBrightPointDecidesTheColourDepth) {
         }
 }
 
+// Right because whoever looks at all of the file by itself, when it is opened, has nobody to hear it from.
+TEST(LasSource, LookedAtInPartsItIsReadAsLookedAtAtOnce) {
+    constexpr int points = 9000, middle = 4321;
+    for (const bool isBright : {false, true}) {
+        LasFile file = sample(2, 2, 1, points);
+        if (isBright) file.points[middle].green = 256;  // where no first look is taken
+        const auto bytes = file.bytes();
+        const auto openInParts = [&] {
+            return LasSource::create(std::make_unique<MemoryByteSource>(bytes, true), "test.las", false,
+                                     false, false, true)
+                .value();
+        };
+        const auto expected = readLas(bytes);
+        ASSERT_TRUE(expected);
+        const auto shared = openInParts();
+        ASSERT_TRUE(shared->wantsToBeSeen());
+        EXPECT_EQ(shared->lookAt(0, middle).value(), 255U);
+        const std::uint16_t rest = openInParts()->lookAt(middle, points).value();
+        EXPECT_EQ(rest > 255, isBright);
+        shared->hasSeen(std::max<std::uint16_t>(rest, 255));
+        EXPECT_FALSE(shared->wantsToBeSeen());
+        PointBatch told, alone, once;
+        ASSERT_TRUE(shared->read(told).value());
+        ASSERT_TRUE(openInParts()->read(alone).value()) << "nobody has said anything";
+        const auto whole = open(bytes).value();
+        EXPECT_FALSE(whole->wantsToBeSeen());
+        ASSERT_TRUE(whole->read(once).value());
+        EXPECT_EQ(told.color, once.color);
+        EXPECT_EQ(alone.color, once.color);
+    }
+}
+
 TEST(LasSource, ContradictoryColoursOfAPipeAreAnError) {
     LasFile file = sample(2, 2, 1, 150000);
     for (auto& p : file.points) p.red = p.green = p.blue = 200;

@@ -142,7 +142,7 @@ TEST(RemoteAccessTest, asksABucketWhichObjectsThereAre) {
     const auto next = accessTo(ListAsk{"scans", "", "1+/="}, {.endpoint = "http://127.0.0.1:9000/"});
     EXPECT_EQ(next->url,
               "http://127.0.0.1:9000/scans?continuation-token=1%2B%2F%3D&delimiter=%2F&list-type=2&prefix=");
-    EXPECT_FALSE(accessTo(ListAsk{"no/bucket?", ""}, environment)->url.find("no/bucket") == 0);
+    EXPECT_FALSE(accessTo(ListAsk{"a?", ""}, environment));
 }
 
 TEST(RemoteListingTest, aListThatCannotBeHadIsAnErrorAndNoEmptyOne) {

@@ -105,7 +105,7 @@ TEST(RemoteFileTest, triesAgainWhatMayPass) {
         });
         RemoteOptions options = quick();
         options.tries = 12;
-        options.requestsAtOnce = 3;
+        options.pace.requests = 3;
         RemoteFiles files(options);
         const auto file = files.open(urlOf(server));
         ASSERT_TRUE(file) << seed << ": " << file.error().message;
@@ -261,7 +261,8 @@ TEST(RemoteFileTest, givesUpServersThatSayNothingOrNeverEnd) {
     RangeServer hung(content), well(content);
     RemoteOptions options = quick();
     options.tries = 1;
-    options.transfers.limits.whole = milliseconds(400);
+    options.transfers.limits.grace = milliseconds(400);
+    options.transfers.limits.slowest = 1 << 30;
     RemoteFiles files(options);
     for (const Does does : {Does::Silent, Does::Drips}) {
         hung.script([](int) { return Does::Well; });
@@ -279,7 +280,7 @@ TEST(RemoteFileTest, givesUpServersThatSayNothingOrNeverEnd) {
 TEST(RemoteFileTest, endsItsWaitForAServerThatSaysNothing) {
     RangeServer server(noise(1 << 20));
     RemoteOptions options = quick();
-    options.transfers.limits.stall = options.transfers.limits.whole = std::chrono::hours(1);
+    options.transfers.limits.stall = options.transfers.limits.grace = std::chrono::hours(1);
     RemoteFiles files(options);
     const auto file = *files.open(urlOf(server));
     server.script([](int) { return Does::Silent; });
@@ -287,6 +288,23 @@ TEST(RemoteFileTest, endsItsWaitForAServerThatSaysNothing) {
     EXPECT_TRUE(comesTrue([&] { return server.requests() > 1; }));
     files.stop();
     reader.join();
+}
+
+// A megabyte at a time would take minutes there, and nothing would be here until then.
+TEST(RemoteFileTest, asksForLessAtATimeWhereRequestsTakeLong) {
+    const std::string content = noise(4 << 20);
+    for (const bool slow : {true, false}) {
+        RangeServer server(content);
+        RemoteOptions options = quick();
+        options.pace = {
+            .requests = 1, .pieces = 8, .quick = std::chrono::hours(1), .slow = std::chrono::hours(2)};
+        if (slow) options.pace.quick = options.pace.slow = milliseconds(0);
+        RemoteFiles files(options);
+        const auto file = *files.open(urlOf(server));
+        EXPECT_EQ(read(*file, 1 << 20, 2 << 20), content.substr(1 << 20, 2 << 20));
+        const int requests = server.requests() - 1;
+        EXPECT_EQ(requests, slow ? 16 : 4);
+    }
 }
 
 // What was asked for ahead is there when it is read, however little memory there is.

@@ -291,6 +291,33 @@ TEST(BlockCache, AStuckReadEndsWithTheWaitOfWhoDidNotStartIt) {
     EXPECT_TRUE(store->load(node));
 }
 
+// So final pictures of other clouds need not wait for it (server/scheduler/turns.hpp).
+TEST(BlockCache, AWaitForAServerThatHangsCanBeCalledOffAndHoldsNobodyElse) {
+    const auto far = file(), near = file();
+    far->beRemote();
+    const auto cache = BlockCache::create(roomFor(1000, *far, 1));
+    const auto remote = cache->add(far), local = cache->add(near);
+    ASSERT_TRUE(soon([&] { return remote->find(0) && cache->stats().requests == 0; }));
+    far->setOpen(false);
+    const auto node = std::uint32_t(far->nodes().size() - 1);
+    const std::size_t before = far->reads().size();
+    std::stop_source stop;
+    std::thread stopper([&] {
+        far->waitReads(before + 1, true);
+        EXPECT_TRUE(local->load(node)) << "another's are read meanwhile";
+        stop.request_stop();
+    });
+    const auto run = remote->load(node, stop.get_token());  // by a thread of the cache's, not by this one
+    stopper.join();
+    ASSERT_FALSE(run);
+    EXPECT_EQ(run.error().code, ErrorCode::Cancelled);
+    EXPECT_FALSE(remote->isAway());
+    far->setAway(true);
+    EXPECT_TRUE(remote->isAway() && !local->isAway());
+    far->setOpen(true);
+    EXPECT_TRUE(remote->load(node));
+}
+
 TEST(BlockCache, ShuttingDownWhileLoadingEndsEveryWait) {
     const auto scan = file(6);
     scan->setDelay(1ms);

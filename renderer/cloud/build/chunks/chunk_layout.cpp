@@ -4,12 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 namespace scancast {
 
 namespace {
 
-using Cells = std::span<CountedCell>;
+/// Its number is that of its destination: a million of them need not be looked up.
+struct NumberedCell : CountedCell {
+    std::uint32_t number = 0;
+};
+using Cells = std::span<NumberedCell>;
 
 /// What a set of cells looks like, each cell standing for its points; in cells.
 struct CellMeasure {
@@ -23,7 +28,7 @@ CellMeasure measure(Cells cells) {
     CellMeasure m{};
     m.low.fill(~0u);
     std::array<Wide, 3> sum{}, squares{};
-    for (const CountedCell& c : cells) {
+    for (const NumberedCell& c : cells) {
         m.points += c.points;
         for (int a = 0; a < 3; ++a) {
             const std::uint32_t at = cellAxis(c.key, a);
@@ -61,24 +66,29 @@ class Divider {
         if (m.points <= chunkPoints_ || cells.size() == 1) {
             node.chunk = std::uint32_t(layout_.chunks.size());
             layout_.chunks.push_back({m.points, 0});
-            for (const CountedCell& c : cells)
-                layout_.destinations[*layout_.index.find(c.key)].chunk = node.chunk;
+            for (const NumberedCell& c : cells) layout_.destinations[c.number].chunk = node.chunk;
             return;
         }
         const CellCut found = cut(m);
-        const auto octant = [&](CellKey key) { return found.octant(key); };
-        std::stable_sort(cells.begin(), cells.end(), [&](const CountedCell& a, const CountedCell& b) {
-            return octant(a.key) < octant(b.key);
-        });
-        for (std::size_t first = 0; first < cells.size();) {
-            std::size_t last = first + 1;
-            while (last < cells.size() && octant(cells[last].key) == octant(cells[first].key)) ++last;
-            split(cells.subspan(first, last - first), node.children.emplace_back());
-            first = last;
-        }
+        const std::array<std::size_t, 9> first = sortByOctant(cells, found);
+        for (std::size_t o = 0; o < 8; ++o)
+            if (first[o] < first[o + 1])
+                split(cells.subspan(first[o], first[o + 1] - first[o]), node.children.emplace_back());
     }
 
   private:
+    /// Each keeps its order. The first of each octant, and one behind the last.
+    std::array<std::size_t, 9> sortByOctant(Cells cells, const CellCut& found) {
+        std::array<std::size_t, 9> first{};
+        for (const NumberedCell& c : cells) ++first[found.octant(c.key) + 1];
+        std::partial_sum(first.begin(), first.end(), first.begin());
+        sorted_.resize(std::max(sorted_.size(), cells.size()));
+        auto next = first;
+        for (const NumberedCell& c : cells) sorted_[next[found.octant(c.key)]++] = c;
+        std::copy_n(sorted_.begin(), cells.size(), cells.begin());
+        return first;
+    }
+
     /// At the cell boundary nearest the average; along flat axes not at all (splitter.hpp says why).
     CellCut cut(const CellMeasure& m) const {
         std::array<double, 3> spread;
@@ -97,6 +107,7 @@ class Divider {
     const Grid& grid_;
     const std::uint64_t chunkPoints_;
     ChunkLayout& layout_;
+    std::vector<NumberedCell> sorted_;
 };
 
 /// The cells of a coarser frame and the chunks that lie in each.
@@ -104,7 +115,8 @@ class Neighbourhood {
   public:
     Neighbourhood(const ChunkLayout& layout, Cells cells, int up) : up_(up) {
         std::vector<std::pair<CellKey, std::uint32_t>> pairs;
-        for (const CountedCell& c : cells) pairs.emplace_back(coarse(c.key), layout.destination(c.key).chunk);
+        for (const NumberedCell& c : cells)
+            pairs.emplace_back(coarse(c.key), layout.destinations[c.number].chunk);
         std::sort(pairs.begin(), pairs.end());
         pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
         for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -158,10 +170,10 @@ void layOutHalos(ChunkLayout& layout, Cells cells, std::uint64_t points) {
     const Neighbourhood neighbourhood(layout, cells, haloCellLevels(points, cells.size()));
     std::vector<std::vector<std::uint32_t>> found(cells.size());
     tbb::parallel_for(std::size_t(0), cells.size(), [&](std::size_t i) {
-        found[i] = neighbourhood.around(cells[i].key, layout.destination(cells[i].key).chunk);
+        found[i] = neighbourhood.around(cells[i].key, layout.destinations[cells[i].number].chunk);
     });
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        ChunkLayout::Destination& d = layout.destinations[*layout.index.find(cells[i].key)];
+        ChunkLayout::Destination& d = layout.destinations[cells[i].number];
         d.firstHalo = std::uint32_t(layout.haloChunks.size());
         d.halos = std::uint32_t(found[i].size());
         for (const std::uint32_t chunk : found[i]) {
@@ -178,14 +190,18 @@ ChunkLayout layOutChunks(const CellFrame& frame, std::vector<CountedCell> cells,
     ChunkLayout layout;
     layout.frame = frame;
     layout.index = CellTable(cells.size());
-    std::uint64_t points = 0;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-        layout.index[cells[i].key] = i;
-        points += cells[i].points;
-    }
     layout.destinations.resize(cells.size());
-    Divider(grid, chunkPoints, layout).split(cells, layout.root);
-    if (halo && layout.chunks.size() > 1) layOutHalos(layout, cells, points);
+    std::vector<NumberedCell> numbered;
+    numbered.reserve(cells.size());
+    std::uint64_t points = 0;
+    for (const CountedCell& cell : cells) {
+        layout.index[cell.key] = numbered.size();
+        numbered.push_back({cell, std::uint32_t(numbered.size())});
+        points += cell.points;
+    }
+    std::vector<CountedCell>().swap(cells);
+    Divider(grid, chunkPoints, layout).split(numbered, layout.root);
+    if (halo && layout.chunks.size() > 1) layOutHalos(layout, numbered, points);
     return layout;
 }
 

@@ -181,16 +181,16 @@ Expected<std::vector<Chunk>> ChunkFiller::finish() {
 
 Expected<void> sortIntoChunks(PointPortions& portions, std::size_t begin, std::size_t end,
                               const ChunkLayout& layout, std::size_t rowBytes, ChunkTaker& taker,
-                              ProgressMeter& progress, const std::stop_token& stop) {
+                              ProgressMeter& progress, const std::stop_token& stop, std::size_t together) {
     FirstError error;
-    const std::size_t groups = (end - begin + portionsAtOnce - 1) / portionsAtOnce;
+    const std::size_t groups = (end - begin + together - 1) / together;
     tbb::enumerable_thread_specific<Sorter> sorters([&] { return Sorter(layout, taker, rowBytes); });
     tbb::parallel_for(std::size_t(0), groups, [&](std::size_t g) {
         if (error.failed() || stop.stop_requested()) return;
         thread_local PointPortions::Portion portion;
         Sorter& sorter = sorters.local();
-        const std::size_t first = begin + g * portionsAtOnce;
-        for (std::size_t i = first; i < std::min(first + portionsAtOnce, end); ++i) {
+        const std::size_t first = begin + g * together;
+        for (std::size_t i = first; i < std::min(first + together, end); ++i) {
             if (auto read = portions.read(i, portion); !read) return error.set(read.error());
             portions.release(i);
             sorter.add(portion);

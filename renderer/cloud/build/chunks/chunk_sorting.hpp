@@ -83,9 +83,11 @@ inline constexpr std::size_t portionsAtOnce = 8;
 Expected<CountingGrid> countPoints(const PointPortions& portions, const GridBox& box,
                                    const std::stop_token& stop);
 
-/// Gives portions begin … end - 1 to the chunks of the layout, and releases them. Errors: the portions' and the taker's; Cancelled.
+/// Gives portions begin … end - 1 to the chunks of the layout, and releases them; `together` at a time by one thread. Errors: the portions'
+/// and the taker's; Cancelled.
 Expected<void> sortIntoChunks(PointPortions& portions, std::size_t begin, std::size_t end,
                               const ChunkLayout& layout, std::size_t rowBytes, ChunkTaker& taker,
-                              ProgressMeter& progress, const std::stop_token& stop);
+                              ProgressMeter& progress, const std::stop_token& stop,
+                              std::size_t together = portionsAtOnce);
 
 }  // namespace scancast

@@ -48,13 +48,6 @@ CountingGrid::CountingGrid(const GridBox& box) : box_(box) {
     for (int a = 0; a < 3; ++a) frame_.first[a] = box.min[a] >> frame_.cellLevel;
 }
 
-CountingGrid CountingGrid::of(const GridBox& box, int cellLevel, std::span<const CountedCell> cells) {
-    CountingGrid grid(box);
-    grid.coarsenTo(cellLevel);
-    for (const CountedCell& cell : cells) grid.table_[cell.key] += cell.points;
-    return grid;
-}
-
 void CountingGrid::add(std::span<const BuildPoint> points) {
     for (std::size_t i = 0; i < points.size();) {
         // Scanners write neighbours one after the other: runs in one cell are counted at once.

@@ -74,17 +74,16 @@ class CountingGrid {
 
     /// For points in this box; starts with at most 1024 cells along the longest axis.
     explicit CountingGrid(const GridBox& box);
-    /// What another one in the same box has counted.
-    static CountingGrid of(const GridBox& box, int cellLevel, std::span<const CountedCell> cells);
     void add(std::span<const BuildPoint> points);
     void join(const CountingGrid& other);
 
     const CellFrame& frame() const { return frame_; }
     /// Occupied cells, ordered by key.
     std::vector<CountedCell> cells() const;
+    /// To a level that is not finer.
+    void coarsenTo(int cellLevel);
 
   private:
-    void coarsenTo(int cellLevel);
     void coarsenIfFull();
 
     GridBox box_;

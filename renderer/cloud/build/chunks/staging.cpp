@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 
 #include "renderer/cloud/sample.hpp"
 #include "renderer/cloud/stations/station.hpp"
@@ -16,14 +17,6 @@
 namespace scancast {
 
 namespace {
-
-bool hasGrid(const ScanHeader& header) {
-    for (int a = 0; a < 3; ++a)
-        if (!(header.gridStep[a] > 0) || !std::isfinite(header.gridStep[a]) ||
-            !std::isfinite(header.gridOrigin[a]))
-            return false;
-    return true;
-}
 
 /// `before`: points that came before these.
 Expected<void> checkPositions(const Positions& positions, std::uint64_t before) {
@@ -50,84 +43,11 @@ Expected<void> checkBatch(const PointBatch& batch, const ScanHeader& header, std
     return checkPositions(batch.position, before);
 }
 
-using Kind = StagedBatch::Positions;
-
-std::size_t bytesOf(Kind positions) {
-    return positions == Kind::Full ? sizeof(glm::dvec3) : sizeof(glm::vec3);
-}
-
 /// A batch while it is packed.
 struct PackedBatch {
-    Kind positions = Kind::Own;
+    PackedPositions positions;
     std::vector<std::byte> bytes;
-
-    template <class T>
-    T* as(std::size_t at = 0) {
-        return reinterpret_cast<T*>(bytes.data() + at);
-    }
 };
-
-using OwnPosition = GridSteps;
-
-/// Steps of a grid that begins so many steps elsewhere; false if they do not fit it.
-bool shiftSteps(std::span<const GridSteps> steps, const std::array<std::int64_t, 3>& by, OwnPosition* out) {
-    if (by == std::array<std::int64_t, 3>{}) {
-        std::copy(steps.begin(), steps.end(), out);
-        return true;
-    }
-    bool fit = true;
-    for (std::size_t i = 0; i < steps.size(); ++i)
-        for (std::size_t a = 0; a < 3; ++a) {
-            const std::int64_t shifted = steps[i][a] + by[a];
-            out[i][a] = static_cast<std::int32_t>(shifted);
-            fit = fit && out[i][a] == shifted;
-        }
-    return fit;
-}
-
-/// The batch as integers of the scan's own grid; false if some point does not lie on it (header and points
-/// then contradict each other, and the points are right).
-bool toOwnGrid(const Positions& positions, const ScanHeader& header, OwnPosition* out) {
-    if (positions.areSteps())
-        if (const auto between = positions.grid().stepsIn({header.gridOrigin, header.gridStep}))
-            return shiftSteps(positions.asSteps(), *between, out);
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-        const glm::dvec3 position = positions[i];
-        for (int a = 0; a < 3; ++a) {
-            const double p = position[a];
-            const double q = std::nearbyint((p - header.gridOrigin[a]) / header.gridStep[a]);
-            const double off = std::abs(header.gridOrigin[a] + q * header.gridStep[a] - p);
-            const double tolerance =
-                1e-3 * header.gridStep[a] + 1e-15 * (std::abs(p) + std::abs(header.gridOrigin[a]));
-            if (!(std::abs(q) <= 2147483647.0 || q == -2147483648.0) || !(off <= tolerance)) return false;
-            out[i][a] = static_cast<std::int32_t>(q);
-        }
-    }
-    return true;
-}
-
-bool isSinglePrecision(const Positions& positions) {
-    return std::all_of(positions.begin(), positions.end(),
-                       [](const glm::dvec3& p) { return glm::dvec3(glm::vec3(p)) == p; });
-}
-
-std::size_t packedBytes(const PointBatch& batch, const ScanHeader& header, Kind positions) {
-    return batch.size() * (bytesOf(positions) + sizeof(StagedBatch::Rest) + stagedRowBytes(header));
-}
-
-void packPositions(const PointBatch& batch, const ScanHeader& header, bool grid, PackedBatch& out) {
-    out.bytes.resize(packedBytes(batch, header, Kind::Own));
-    if (grid && toOwnGrid(batch.position, header, out.as<OwnPosition>())) {
-        out.positions = Kind::Own;
-    } else if (isSinglePrecision(batch.position)) {
-        out.positions = Kind::Single;
-        std::copy(batch.position.begin(), batch.position.end(), out.as<glm::vec3>());
-    } else {
-        out.positions = Kind::Full;
-        out.bytes.resize(packedBytes(batch, header, Kind::Full));
-        std::copy(batch.position.begin(), batch.position.end(), out.as<glm::dvec3>());
-    }
-}
 
 /// The direction of a vector, if it has one.
 std::uint16_t sightCode(const glm::dvec3& sight) {
@@ -150,7 +70,8 @@ void packRows(const PointBatch& batch, const ScanHeader& header, std::byte* to) 
 }
 
 void packRest(const PointBatch& batch, const ScanHeader& header, bool sights, PackedBatch& out) {
-    auto* rest = out.as<StagedBatch::Rest>(batch.size() * bytesOf(out.positions));
+    auto* rest =
+        reinterpret_cast<StagedBatch::Rest*>(out.bytes.data() + batch.size() * bytesOf(out.positions.kind));
     std::fill_n(rest, batch.size(), StagedBatch::Rest{});
     for (std::size_t i = 0; i < batch.color.size(); ++i) rest[i].color = batch.color[i];
     for (std::size_t i = 0; i < batch.intensity.size(); ++i) rest[i].intensity = batch.intensity[i];
@@ -213,22 +134,15 @@ void learnColumns(const PointBatch& batch, std::span<const Column> columns, Stag
     }
 }
 
-void learn(const PointBatch& batch, PackedBatch& packed, StagedScan& scan) {
+void learn(const PointBatch& batch, const std::optional<OwnRange>& own, StagedScan& scan) {
     const auto bounds = boundsOf(batch.position);
     scan.bounds = {glm::min(scan.bounds[0], bounds[0]), glm::max(scan.bounds[1], bounds[1])};
     for (const std::uint8_t c : batch.classification) ++scan.classCounts[c];
-    if (packed.positions != Kind::Own) scan.onOwnGrid = false;
-    if (scan.onOwnGrid) {
-        const std::span own(packed.as<OwnPosition>(), batch.size());
-        OwnPosition low = own.front(), high = low;
-        for (const OwnPosition& q : own)
-            for (std::size_t a = 0; a < 3; ++a)
-                low[a] = std::min(low[a], q[a]), high[a] = std::max(high[a], q[a]);
-        for (std::size_t a = 0; a < 3; ++a) {
-            const bool first = scan.points == 0;
-            scan.ownLow[a] = first ? low[a] : std::min<std::int64_t>(scan.ownLow[a], low[a]);
-            scan.ownHigh[a] = first ? high[a] : std::max<std::int64_t>(scan.ownHigh[a], high[a]);
-        }
+    scan.onOwnGrid = scan.onOwnGrid && own;
+    for (std::size_t a = 0; a < 3 && scan.onOwnGrid; ++a) {
+        const bool first = scan.points == 0;
+        scan.ownLow[a] = first ? own->low[a] : std::min(scan.ownLow[a], own->low[a]);
+        scan.ownHigh[a] = first ? own->high[a] : std::max(scan.ownHigh[a], own->high[a]);
     }
     scan.points += batch.size();
     if (batch.scanner) scan.sighted += batch.size();
@@ -238,9 +152,12 @@ Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, boo
                           Workspace& workspace, StagedScan& scan) {
     if (auto ok = checkBatch(batch, header, scan.points); !ok) return ok;
     thread_local PackedBatch packed;
-    packPositions(batch, header, scan.onOwnGrid && hasGrid(header), packed);
+    // One point beside it, and no other need be asked.
+    const auto own = scan.onOwnGrid ? ownRangeOf(batch.position, header) : std::optional<OwnRange>();
+    const std::size_t beside = sizeof(StagedBatch::Rest) + stagedRowBytes(header);
+    packed.positions = packPositions(batch.position, header, own.has_value(), beside, packed.bytes);
     packRest(batch, header, sights, packed);
-    learn(batch, packed, scan);
+    learn(batch, own, scan);
     learnColumns(batch, header.columns, scan);
     auto buffer = workspace.allocate(packed.bytes.size());
     if (!buffer) return passOn(buffer);
@@ -344,47 +261,22 @@ Grid chooseGrid(const StagedScan& scan, const ScanHeader& header) {
     return cubicGrid(scan.bounds[0], scan.bounds[1]);
 }
 
-namespace {
-
-GridPosition onGrid(const glm::dvec3& p, const Grid& grid) {
-    GridPosition q;
-    for (int a = 0; a < 3; ++a)
-        q[a] =
-            static_cast<std::uint64_t>(std::max(0.0, std::nearbyint((p[a] - grid.corner[a]) / grid.step[a])));
-    return q;
-}
-
-}  // namespace
-
 void placeOnGrid(const StagedBatch& batch, std::span<const std::byte> bytes, const StagedScan& scan,
                  const ScanHeader& header, const Grid& grid, std::span<BuildPoint> out) {
-    const auto* own = reinterpret_cast<const OwnPosition*>(bytes.data());
-    const auto* single = reinterpret_cast<const glm::vec3*>(bytes.data());
-    const auto* full = reinterpret_cast<const glm::dvec3*>(bytes.data());
-    const auto* rest =
-        reinterpret_cast<const StagedBatch::Rest*>(bytes.data() + batch.points * bytesOf(batch.positions));
+    const auto* rest = reinterpret_cast<const StagedBatch::Rest*>(
+        bytes.data() + batch.points * bytesOf(batch.positions.kind));
     for (std::size_t i = 0; i < batch.points; ++i) {
         BuildPoint& p = out[i];
         p.intensity = rest[i].intensity;
         p.color = rest[i].color;
         p.classification = rest[i].classification;
         p.normal = rest[i].normal;
-        if (scan.onOwnGrid) {
-            GridPosition q;
-            for (int a = 0; a < 3; ++a)
-                q[a] = static_cast<std::uint64_t>(own[i][a] - scan.ownLow[a]) << grid.ownShift[a];
-            p.setPosition(q);
-        } else if (batch.positions == Kind::Own) {
-            const glm::dvec3 q(own[i][0], own[i][1], own[i][2]);
-            p.setPosition(onGrid(header.gridOrigin + header.gridStep * q, grid));
-        } else {
-            p.setPosition(onGrid(batch.positions == Kind::Single ? glm::dvec3(single[i]) : full[i], grid));
-        }
     }
+    placePositions(batch.positions, bytes, header, scan.onOwnGrid ? &scan.ownLow : nullptr, grid, out);
 }
 
 std::span<const std::byte> rowsOf(const StagedBatch& batch, std::span<const std::byte> bytes) {
-    return bytes.subspan(batch.points * (bytesOf(batch.positions) + sizeof(StagedBatch::Rest)));
+    return bytes.subspan(batch.points * (bytesOf(batch.positions.kind) + sizeof(StagedBatch::Rest)));
 }
 
 }  // namespace scancast

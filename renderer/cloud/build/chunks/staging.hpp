@@ -6,6 +6,7 @@
 #include <span>
 #include <stop_token>
 
+#include "renderer/cloud/build/chunks/staged_positions.hpp"
 #include "renderer/cloud/build/grid.hpp"
 #include "renderer/cloud/build/progress_meter.hpp"
 #include "renderer/cloud/build/value_ranges.hpp"
@@ -21,18 +22,13 @@ std::size_t stagedRowBytes(const ScanHeader& header);
 
 /// One batch: its positions, then everything else of the points, then their rows (stagedRowBytes).
 struct StagedBatch {
-    enum class Positions : std::uint8_t {
-        Own,     ///< 3 × int32, steps of the scan's own grid
-        Single,  ///< 3 × float
-        Full     ///< 3 × double
-    };
     struct Rest {
         std::uint16_t intensity = 0;
         std::array<std::uint8_t, 3> color{255, 255, 255};
         std::uint8_t classification = 0;
         std::uint16_t normal = 0;  ///< with `sights`, until it is estimated: the direction to the scanner
     };
-    Positions positions = Positions::Own;
+    PackedPositions positions;
     std::uint32_t points = 0;
     Workspace::Buffer bytes;
 };

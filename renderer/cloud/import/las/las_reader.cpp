@@ -10,6 +10,13 @@
 
 namespace scancast {
 
+Error noFinitePoint(const std::string& name, std::uint64_t points) {
+    return {ErrorCode::Empty,
+            (name.empty() ? std::string() : name + ": ") + "none of its " + grouped(points) +
+                " points has finite coordinates",
+            {}};
+}
+
 LasReader::LasReader(const LasHeader& las, std::string name, bool keepAttributes)
     : name_(std::move(name)),
       las_(las),
@@ -49,7 +56,7 @@ void LasReader::see(std::span<const std::byte> records) {
 }
 
 void LasReader::hasBeenTold(std::uint16_t highest) {
-    depth_ = highest > 255 ? LasColorDepth::SixteenBits : LasColorDepth::EightBits;
+    depth_ = highest > 255 ? LasColorDepth::SixteenBits : LasColorDepth::EightBits;  // black is black in both
     wasTold_ = true;
 }
 
@@ -83,8 +90,7 @@ void LasReader::glance(std::span<const std::byte> records, PointBatch& batch) co
 
 Expected<void> LasReader::checkEnd() const {
     if (dropped_ == 0 || dropped_ < done_) return {};
-    return fail(ErrorCode::Empty, (name_.empty() ? std::string() : name_ + ": ") + "none of its " +
-                                      grouped(done_) + " points has finite coordinates");
+    return tl::unexpected(noFinitePoint(name_, done_));
 }
 
 }  // namespace scancast

@@ -19,6 +19,9 @@
 
 namespace scancast {
 
+/// What is wrong with a scan of so many points, all of which were left out.
+Error noFinitePoint(const std::string& name, std::uint64_t points);
+
 class LasReader {
   public:
     /// `start`, `name`, errors: as of parseLasHeader(). `keepAttributes`: fill ScanHeader::columns and PointBatch::rows.
@@ -53,6 +56,10 @@ class LasReader {
     bool wantsToSeeMore() const { return scan_.attributes.color && depth_ != LasColorDepth::SixteenBits; }
     /// Any records, before they are decoded.
     void see(std::span<const std::byte> records);
+    /// Of what has been seen: not the number itself, but one that hasBeenTold() understands.
+    std::uint16_t highestColor() const {
+        return depth_ == LasColorDepth::SixteenBits ? 65535 : depth_ == LasColorDepth::EightBits ? 255 : 0;
+    }
     /// All of them have been seen.
     void hasSeenAll() { depthIsCertain_ = true; }
     /// Somebody else has seen all of them: the highest number of any colour, or one above 255.

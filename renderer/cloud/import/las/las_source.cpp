@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "renderer/cloud/import/lost_points.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
@@ -25,7 +26,8 @@ constexpr std::uint64_t glances = 8192, glanceRecords = 6, fewestToGlanceAt = 1'
 }  // namespace
 
 Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes, bool recover, bool fullColors) {
+                                                       bool keepAttributes, bool recover, bool fullColors,
+                                                       bool looksInParts) {
     std::array<std::byte, lasHeaderBytes> start{};
     const auto got = readFully(*bytes, start);
     if (!got) return passOn(got);
@@ -42,7 +44,7 @@ Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSourc
         if (auto ok = source->bytes_->seek(header.headerBytes); !ok) return passOn(ok);
         if (auto ok = source->readToPoints(header.headerBytes); !ok) return passOn(ok);
         if (auto ok = source->readEvlrs(); !ok) return passOn(ok);
-        if (auto ok = source->lookAtColors(); !ok) return passOn(ok);
+        if (auto ok = source->lookAtColors(looksInParts); !ok) return passOn(ok);
         if (auto ok = source->bytes_->seek(header.pointOffset); !ok) return passOn(ok);
     } else {
         source->buffer_.assign(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(*got));
@@ -136,29 +138,41 @@ Expected<void> LasSource::readEvlrs() {
 
 /// 8-bit colours in 16-bit fields: exact, because the whole file is looked at - until the first number above
 /// 255, which in real 16-bit files is found at once. Only truly 8-bit files cost a second pass.
-Expected<void> LasSource::lookAtColors() {
+Expected<void> LasSource::lookAtColors(bool inParts) {
     reader_.hasSeenAll();
     if (!reader_.wantsToSeeMore()) return {};
+    const auto stride = std::max<std::uint64_t>(1, las().points / firstLooks);
+    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore(); first += stride)
+        if (auto ok = see(first, std::min(firstLookRecords, las().points - first)); !ok) return ok;
+    isUnseen_ = inParts && reader_.wantsToSeeMore();
+    return isUnseen_ ? Expected<void>() : see(0, las().points);
+}
+
+/// Until they have told enough.
+Expected<void> LasSource::see(std::uint64_t first, std::uint64_t count) {
     // Of a small file no more than it has: thousands of them may be looked at.
     const std::uint64_t atOnce =
-        std::max<std::uint64_t>(1, std::min<std::uint64_t>(bufferBytes / las().recordBytes, las().points));
-    buffer_.resize(atOnce * las().recordBytes);
-    const auto look = [&](std::uint64_t first, std::uint64_t count) -> Expected<void> {
-        count = std::min({count, las().points - first, atOnce});
-        const auto piece = std::span(buffer_).first(count * las().recordBytes);
+        std::max<std::uint64_t>(1, std::min<std::uint64_t>(bufferBytes / las().recordBytes, count));
+    std::vector<std::byte> piece;
+    for (const std::uint64_t end = first + count; first < end && reader_.wantsToSeeMore(); first += atOnce) {
+        piece.resize(std::min(end - first, atOnce) * las().recordBytes);
         const auto got = bytes_->readAt(placeOf(first), piece);
         if (!got) return passOn(got);
         if (*got < piece.size()) return tl::unexpected(truncated(placeOf(first) + *got, first));
         reader_.see(piece);
-        return {};
-    };
-    const auto stride = std::max<std::uint64_t>(1, las().points / firstLooks);
-    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore(); first += stride)
-        if (auto ok = look(first, firstLookRecords); !ok) return ok;
-    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore(); first += atOnce)
-        if (auto ok = look(first, atOnce); !ok) return ok;
-    buffer_.clear();
+    }
     return {};
+}
+
+Expected<std::uint16_t> LasSource::lookAt(std::uint64_t first, std::uint64_t count) {
+    first = std::min(first, las().points);
+    if (auto ok = see(first, std::min(count, las().points - first)); !ok) return passOn(ok);
+    return reader_.highestColor();
+}
+
+void LasSource::hasSeen(std::uint16_t highest) {
+    reader_.hasBeenTold(highest);
+    isUnseen_ = false;
 }
 
 Error LasSource::truncated(std::uint64_t at, std::uint64_t complete) const {
@@ -196,6 +210,8 @@ std::uint64_t LasSource::endOfPart() const {
 }
 
 Expected<bool> LasSource::read(PointBatch& batch) {
+    if (std::exchange(isUnseen_, false))
+        if (auto ok = see(0, las().points); !ok) return passOn(ok);
     const std::uint64_t begin = part_ ? part_->first : 0;
     for (std::uint64_t done = begin; (done = begin + reader_.recordsRead()) < endOfPart();) {
         if (part_ && reader_.recordsRead() == 0)

@@ -21,15 +21,19 @@ class LasSource final : public PointSource {
     /// `bytes` stands at the start of the file; `name` is what messages call it. `keepAttributes`: fill
     /// ScanHeader::columns and PointBatch::rows; `fullColors`: with colours of 16 bits among them. `recover`: of points
     /// that the bytes end before, those that are whole are all, and a note tells of the rest.
+    /// `looksInParts`: as in ImportOptions.
     static Expected<std::unique_ptr<LasSource>> create(std::unique_ptr<ByteSource> bytes, std::string name,
                                                        bool keepAttributes = false, bool recover = false,
-                                                       bool fullColors = false);
+                                                       bool fullColors = false, bool looksInParts = false);
 
     const ScanHeader& header() const override { return reader_.header(); }
     Expected<PointBatch> glance() override;
     /// Of files.
     bool hasParts() const override { return bytes_->size().has_value(); }
     void readPart(std::uint64_t first, std::uint64_t count) override { part_ = {first, count}; }
+    bool wantsToBeSeen() const override { return isUnseen_; }
+    Expected<std::uint16_t> lookAt(std::uint64_t first, std::uint64_t count) override;
+    void hasSeen(std::uint16_t highest) override;
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return reader_.droppedPoints(); }
     std::vector<std::string> notes() const override;
@@ -42,7 +46,8 @@ class LasSource final : public PointSource {
     Expected<void> readToPoints(std::uint64_t at);
     Expected<void> checkExtent();
     Expected<void> readEvlrs();
-    Expected<void> lookAtColors();
+    Expected<void> lookAtColors(bool inParts);
+    Expected<void> see(std::uint64_t first, std::uint64_t count);
     const LasHeader& las() const { return reader_.las(); }
     const std::string& name() const { return reader_.name(); }
     std::uint64_t placeOf(std::uint64_t record) const {
@@ -59,7 +64,7 @@ class LasSource final : public PointSource {
         std::uint64_t first = 0, count = 0;
     };
     std::optional<Part> part_;  ///< of the records that alone are read
-    bool recover_ = false;
+    bool recover_ = false, isUnseen_ = false;
     std::uint64_t lost_ = 0;  ///< points that are promised and not there
     std::vector<std::byte> buffer_;
 };

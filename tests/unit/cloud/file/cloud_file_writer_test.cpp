@@ -101,6 +101,26 @@ TEST(CloudFileWriter, WhatAnotherRunIsWritingIsRefused) {
     EXPECT_TRUE(CloudFileWriter::create(path)) << "finished, so no longer locked";
 }
 
+TEST(CloudFileWriter, WhatIsWithdrawnIsGoneAtOnceAndStaysSo) {
+    const test::TemporaryFolder folder;
+    const auto path = folder.path() / "a.scan";
+    const auto cloud = test::sampleCloud(500);
+    const auto writer = CloudFileWriter::create(path).value();
+    const auto parts = test::appendAll(*writer, cloud->octree, *cloud).value();
+    writer->withdraw();
+    EXPECT_EQ(namesIn(folder.path()), std::vector<std::string>{});
+    // Somebody else's has the name by now, and keeps it.
+    const auto other = CloudFileWriter::create(path).value();
+    const auto finished = test::finish(*writer, parts);
+    ASSERT_FALSE(finished);
+    EXPECT_EQ(finished.error().code, ErrorCode::Cancelled);
+    EXPECT_EQ(namesIn(folder.path()), std::vector<std::string>{"a.scan.partial"});
+    const auto others = test::appendAll(*other, cloud->octree, *cloud).value();
+    ASSERT_TRUE(test::finish(*other, others));
+    other->withdraw();
+    EXPECT_EQ(namesIn(folder.path()), std::vector<std::string>{"a.scan"}) << "too late";
+}
+
 TEST(CloudFileWriter, PlacesThatCannotBe) {
     const test::TemporaryFolder folder;
     const auto missing = CloudFileWriter::create(folder.path() / "none" / "a.scan");

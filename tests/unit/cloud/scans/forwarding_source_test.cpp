@@ -27,6 +27,11 @@ class Telling final : public PointSource {
     }
     bool hasParts() const override { return true; }
     void readPart(std::uint64_t first, std::uint64_t count) override { part = {first, count}; }
+    bool wantsToBeSeen() const override { return true; }
+    Expected<std::uint16_t> lookAt(std::uint64_t first, std::uint64_t count) override {
+        return std::uint16_t(first + count);
+    }
+    void hasSeen(std::uint16_t highest) override { seen = highest; }
     Expected<bool> read(PointBatch& batch) override {
         batch.clear();
         if (reads_++ > 0) return false;
@@ -40,6 +45,7 @@ class Telling final : public PointSource {
     std::array<std::uint64_t, 2> bytesRead() const override { return {4, 5}; }
 
     std::array<std::uint64_t, 2> part{};
+    std::uint16_t seen = 0;
 
   private:
     ScanHeader header_;
@@ -60,6 +66,7 @@ void expectAllIsTold(const PointSource& source) {
     EXPECT_EQ(source.photos()[0].name, "a photo");
     EXPECT_EQ(source.bytesRead(), (std::array<std::uint64_t, 2>{4, 5}));
     EXPECT_TRUE(source.hasParts());
+    EXPECT_TRUE(source.wantsToBeSeen());
 }
 
 TEST(ForwardingSource, AnswersAsWhatItWraps) {
@@ -69,6 +76,9 @@ TEST(ForwardingSource, AnswersAsWhatItWraps) {
     expectAllIsTold(source);
     source.readPart(6, 7);
     EXPECT_EQ(wrapped.part, (std::array<std::uint64_t, 2>{6, 7}));
+    EXPECT_EQ(source.lookAt(8, 9).value(), 17U);
+    source.hasSeen(10);
+    EXPECT_EQ(wrapped.seen, 10U);
     EXPECT_EQ(source.glance().value().size(), 2U);
     PointBatch batch;
     EXPECT_TRUE(source.read(batch).value());

@@ -102,6 +102,22 @@ TEST(Metrics, ResidencyIsToldAsItIsAndCountersOnlyRise) {
     }
 }
 
+TEST(Metrics, RemoteCloudsAreToldAsTheyAre) {
+    Metrics metrics("1");
+    RemoteStats stats;
+    stats.brokenPieces = 2;
+    stats.folderBytes = 900;
+    stats.folderLimit = 1000;
+    stats.away = 1;
+    metrics.setRemote(stats);
+    stats.brokenPieces = 3;
+    stats.folderBytes = 100;
+    metrics.setRemote(stats);
+    for (const char* line : {"scancast_remote_broken_pieces_total 3\n", "scancast_remote_cache_bytes 100\n",
+                             "scancast_remote_cache_limit_bytes 1000\n", "scancast_remote_clouds_away 1\n"})
+        EXPECT_THAT(metrics.text(), HasSubstr(line));
+}
+
 TEST(Metrics, KeptCloudsAreToldAsTheyAre) {
     Metrics metrics("1");
     metrics.setKeptClouds(900, 1000, 3);

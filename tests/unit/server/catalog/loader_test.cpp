@@ -263,6 +263,19 @@ TEST_F(LoaderTest, WhatOthersRemovedOrCouldNotBeReadMayBeLeftAsItIs) {
     EXPECT_TRUE(catalog_.find("ground-2"));
 }
 
+TEST_F(LoaderTest, WhatCouldNotBeReadMayBeTriedAgainAndWhatOthersRemovedStaysRemoved) {
+    const fs::path ground = folder_ / "ground.xyz", late = folder_ / "late.xyz";
+    Loader loader({ground, late}, catalog_, options());
+    awaitEnd(loader);
+    ASSERT_TRUE(catalog_.remove("ground")) << "by an administrator";
+    fs::copy_file(ground, late);
+    const Loader::Changes done = loader.serve({ground, late}, Loader::Again::TryFailed);
+    awaitEnd(loader);
+    EXPECT_EQ(done.tried, 1U);
+    EXPECT_EQ(catalog_.find("late")->state, CloudState::Ready);
+    EXPECT_FALSE(catalog_.find("ground"));
+}
+
 TEST_F(LoaderTest, WhatAnAdministratorAddedUnderTheNameOfOneThatHeRemovedIsHis) {
     Loader loader({folder_ / "ground.xyz"}, catalog_, options());
     awaitEnd(loader);

@@ -30,6 +30,8 @@ namespace fs = std::filesystem;
 
 // While an octree is built in memory; about a quarter of it stays.
 constexpr std::uint64_t bytesPerPoint = 60;
+// While a scan is opened that is shown as it is: its upper levels.
+constexpr std::uint64_t bytesToOpenNative = 32 << 20;
 // A scan that does not say how many points it has: text has fewer to the byte, compressed files more.
 constexpr std::uint64_t bytesPerUnknownByte = 6, keptBytesPerUnknownByte = 2;
 
@@ -63,6 +65,22 @@ LoaderOptions stoppedBy(std::stop_token stop, LoaderOptions options) {
     std::error_code none;
     options.import.photos = options.kept ? options.kept->folder() : fs::temp_directory_path(none);
     return options;
+}
+
+/// Native clouds share decoders and memory. What has been promised is finished when the loader has stopped, so decoders do not stop with it.
+NativeOpening nativeOpening(const LoaderOptions& options) {
+    constexpr std::uint64_t usual = 64 << 20;
+    ImportOptions import = options.import;
+    import.stop = {};
+    const auto reserve = [cache = std::weak_ptr(options.cache)](std::uint64_t bytes) {
+        const auto there = cache.lock();
+        return there ? there->reserve(bytes) : nullptr;
+    };
+    const std::uint64_t limit = std::min(usual, options.cache->stats().limit / 8);
+    return {.decoders = ChunkDecoders::create(std::move(import)),
+            .memory = std::make_shared<GatheredMemory>(limit, reserve),
+            .crs = options.import.assumeCrs,
+            .surfels = options.shape.surfels};
 }
 
 /// Another path, size, time, program or way to build gives another name.
@@ -121,9 +139,7 @@ class Loader::IngestMemory {
 Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions options)
     : catalog_(catalog),
       options_(stoppedBy(stop_.get_token(), std::move(options))),
-      native_{.decoders = ChunkDecoders::create(options_.import),
-              .memory = std::min(NativeOpening().memory, options_.cache->stats().limit / 8),
-              .surfels = options_.shape.surfels},
+      native_(nativeOpening(options_)),
       watch_(catalog, watchOptions()) {
     std::error_code none;
     sweepOwnedFolders(fs::temp_directory_path(none));  // of servers that were killed
@@ -433,6 +449,7 @@ Loader::Result Loader::openRemote(Job& job) {
     if (!options_.remote)
         return fail(ErrorCode::Unsupported,
                     shownArgument(job.file().native()) + ": URLs are not opened here");
+    const auto opening = options_.cache->reserve(bytesToOpenNative);
     auto opened = openRemoteCloud(*options_.remote, job.file().native(), native_);
     if (!opened) return passOn(std::move(opened));
     WatchedFile watched{.id = job.id, .place = job.place, .file = opened->file, .remote = opened->object};
@@ -496,7 +513,10 @@ Loader::Result Loader::openAsItIs(const ScanInput& input, Job& job) {
     auto shared = input.file().share();
     if (!shared) return passOn(std::move(shared));
     WatchedFile watched{.id = job.id, .place = job.place, .identity = shared->identity()};
-    auto opened = openNative(std::move(*shared), native_);
+    auto mirrors = input.mirrors();
+    if (!mirrors) return passOn(std::move(mirrors));
+    const auto opening = options_.cache->reserve(bytesToOpenNative);
+    auto opened = openNative(std::move(*shared), native_, std::move(*mirrors));
     if (!opened) return passOn(std::move(opened));
     watched.file = *opened;
     job.watched = watched;

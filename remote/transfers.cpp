@@ -132,7 +132,7 @@ class CurlTransfers {
     void settle(std::list<One>::iterator at, PartOrFault result) {
         Waiting& one = **at;
         // What a slow line did not bring in that long it does not bring the next time: its owner asks for less.
-        const bool wasSlow = Clock::now() - one.begun >= options_.limits.grace;
+        const bool wasSlow = Clock::now() - one.begun >= options_.limits.grace / 2;
         if (!result && result.error().kind == RequestFault::Kind::Unreachable && !wasSlow &&
             one.tried < one.transfer->ask().tries) {
             one.due = Clock::now() + delayAfter(one.tried, result.error());

@@ -42,6 +42,13 @@ bool hasScheme(std::string_view word) {
            word.substr(0, colon).find_first_of("/?#.%") == word.npos;
 }
 
+/// Whether it may be meant as a cloud's: sentences, which servers answer as well, are not.
+bool isOfCloud(std::string_view word) {
+    const std::string_view path = word.substr(0, word.find('?'));
+    return path.ends_with(".scan") || path.ends_with(".laz") ||
+           (hasScheme(word) && word.find(' ') == word.npos);
+}
+
 bool hasDots(std::string_view path) {
     path = path.substr(0, path.find('?'));
     for (std::size_t at = 0; at <= path.size();) {
@@ -81,6 +88,8 @@ Expected<std::vector<std::string>> parseCloudList(std::string_view text) {
         if (words.size() == mostWords) return malformed("it names more than 100000");
         words.emplace_back(line);
     }
+    if (!words.empty() && std::ranges::none_of(words, isOfCloud))
+        return malformed("no line of it is a URL, or a name that ends with .scan or .laz");
     return words;
 }
 

@@ -11,7 +11,8 @@
 namespace scancast {
 namespace {
 
-constexpr std::size_t deepest = 16, mostObjects = 1000, longestText = 8192, longestName = 64;
+constexpr std::size_t deepest = 16, mostObjects = 1000, longestText = 8192, longestState = 256,
+                      longestName = 64;
 
 bool isBlank(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
@@ -134,7 +135,9 @@ class PageReader {
 
     bool readText() {
         const std::size_t end = std::min(xml_.find('<', at_), xml_.size());
-        const bool isWanted = wanted() != nullptr;
+        const std::string* const into = wanted();
+        const bool isWanted = into != nullptr;
+        const std::size_t longest = into == &key_ || into == &page_.next ? longestText : longestState;
         while (at_ < end) {
             std::string_view rest = xml_.substr(at_, end - at_);
             std::uint32_t character = 0;
@@ -149,7 +152,7 @@ class PageReader {
             }
             if (depth_ == 0) return refuse("has text outside of its elements");
             if (isWanted) {
-                if (text_.size() >= longestText) return refuse("has a text that is too long");
+                if (text_.size() >= longest) return refuse("has a text that is too long");
                 if (rest.front() == '&')
                     appendUtf8(text_, character);
                 else
@@ -199,9 +202,7 @@ class PageReader {
     bool addObject() {
         if (key_.empty()) return refuse("has an object without a key");
         if (page_.objects.size() == mostObjects) return refuse("has more objects than a page may");
-        const auto isControl = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-        if (std::ranges::none_of(key_, isControl))
-            page_.objects.push_back({key_, fmt::format("{}\n{}\n{}", etag_, size_, modified_)});
+        page_.objects.push_back({key_, fmt::format("{}\n{}\n{}", etag_, size_, modified_)});
         return true;
     }
 

@@ -19,9 +19,8 @@ struct ListedObject {
 };
 
 struct ObjectPage {
-    std::vector<ListedObject>
-        objects;       ///< 1,000 at most; keys with control characters, which no URL has, are left out
-    std::string next;  ///< what asks for the next page; empty: this is the last one
+    std::vector<ListedObject> objects;  ///< 1,000 at most
+    std::string next;                   ///< what asks for the next page; empty: this is the last one
 };
 
 /// Malformed, with the byte, for what is no such answer from its first byte to its last, and for one that says there is more and

@@ -38,6 +38,7 @@ std::shared_ptr<RemoteFile> RemoteFile::create(std::shared_ptr<RemoteCommons> co
 RemoteFile::RemoteFile(std::shared_ptr<RemoteCommons> commons, std::shared_ptr<const ObjectAccess> access,
                        std::string identity, ObjectState state, std::chrono::nanoseconds took)
     : commons_(std::move(commons)),
+      shown_(access->shown),
       access_(std::move(access)),
       state_(std::move(state)),
       key_(pieceKey(identity, state_)),
@@ -276,10 +277,12 @@ void RemoteFile::failPiece(std::uint64_t piece) const {
 // ---- requests
 
 void RemoteFile::send(const std::vector<Request>& requests) const {
+    if (requests.empty()) return;
+    const auto access = currentAccess();
     for (const Request& request : requests) {
         const std::uint64_t first = request.first * pieceBytes;
         const std::uint64_t end = std::min(state_.bytes, (request.first + request.count) * pieceBytes);
-        commons_->transfers->start({access_, first, end - first, state_, commons_->tries},
+        commons_->transfers->start({access, first, end - first, state_, commons_->tries},
                                    [weak = weak_from_this(), request](PartOrFault result) {
                                        if (const auto self = weak.lock())
                                            self->arrived(request, std::move(result));
@@ -339,7 +342,7 @@ void RemoteFile::tellOfAbsence(const RequestFault& fault) const {
 }
 
 void RemoteFile::probe(std::optional<milliseconds> delay) const {
-    PartAsk ask{access_, 0, 1, state_};
+    PartAsk ask{currentAccess(), 0, 1, state_};
     ask.delay = delay.value_or(milliseconds(0));
     commons_->transfers->start(std::move(ask), [weak = weak_from_this(), delay](PartOrFault result) {
         if (const auto self = weak.lock()) self->probed(result, delay.has_value());
@@ -368,6 +371,16 @@ void RemoteFile::probed(const PartOrFault& result, bool again) const {
 }
 
 // ---- state
+
+std::shared_ptr<const ObjectAccess> RemoteFile::currentAccess() const {
+    const Monitor::Look look(monitor_);
+    return access_;
+}
+
+void RemoteFile::signAnew(std::shared_ptr<const ObjectAccess> access) {
+    const Monitor::Lock lock(monitor_);
+    access_ = std::move(access);
+}
 
 bool RemoteFile::changed() const {
     const Monitor::Look look(monitor_);

@@ -67,7 +67,9 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     bool isAway() const override;
 
     const ObjectState& state() const { return state_; }
-    const std::string& shown() const { return access_->shown; }
+    const std::string& shown() const { return shown_; }
+    /// The same object's URL with another signature: later requests are made with it.
+    void signAnew(std::shared_ptr<const ObjectAccess> access);
     /// It has been replaced by another: found out by the way, or by look().
     bool changed() const;
     /// Asks whether it is what it was, in the background; what comes of it changes changed() and isAway().
@@ -113,6 +115,7 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     std::uint64_t share() const;
     void failPiece(std::uint64_t piece) const;
     // Without it.
+    std::shared_ptr<const ObjectAccess> currentAccess() const;
     void send(const std::vector<Request>& requests) const;
     void arrived(const Request& request, PartOrFault result) const;
     void tellOfChange() const;
@@ -123,7 +126,8 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     void note(const std::string& text) const;
 
     const std::shared_ptr<RemoteCommons> commons_;
-    const std::shared_ptr<const ObjectAccess> access_;
+    const std::string shown_;
+    std::shared_ptr<const ObjectAccess> access_;  // guarded by monitor_
     const ObjectState state_;
     const std::string key_;                       // of its pieces on disk
     const std::shared_ptr<const void> reserved_;  // beyond its share

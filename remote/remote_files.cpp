@@ -90,8 +90,25 @@ Expected<std::shared_ptr<RemoteFile>> RemoteFiles::open(const RemoteUrl& url) {
     const auto begun = std::chrono::steady_clock::now();
     auto start = first->get_future().get();
     if (!start) return tl::unexpected(errorOf(start.error(), url.shown()));
-    return RemoteFile::create(std::move(*shared), object, url.identity(), std::move(*start),
-                              std::chrono::steady_clock::now() - begun);
+    auto file = RemoteFile::create(std::move(*shared), object, url.identity(), std::move(*start),
+                                   std::chrono::steady_clock::now() - begun);
+    const std::lock_guard lock(mutex_);
+    std::erase_if(open_, [](const auto& one) { return one.second.expired(); });
+    open_.emplace(url.identity(), file);
+    return file;
+}
+
+void RemoteFiles::signAnew(const RemoteUrl& url) {
+    auto access = accessTo(url, options_.environment);
+    if (!access) return;
+    const auto object = std::make_shared<const ObjectAccess>(std::move(*access));
+    std::vector<std::shared_ptr<RemoteFile>>
+        files;  // the last who has one does not let go of it under the lock
+    const std::lock_guard lock(mutex_);
+    const auto [first, end] = open_.equal_range(url.identity());
+    for (auto one = first; one != end; ++one)
+        if (auto file = one->second.lock()) files.push_back(std::move(file));
+    for (const auto& file : files) file->signAnew(object);
 }
 
 Expected<RemoteDocument> RemoteFiles::fetch(const RemoteUrl& url, std::uint64_t most,

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 
@@ -56,6 +57,8 @@ class RemoteFiles {
     /// InvalidArgument for credentials; NotFound; Unavailable for what may pass; Unsupported for a server that sends no parts;
     /// Io for one that refuses, and for the folder.
     Expected<std::shared_ptr<RemoteFile>> open(const RemoteUrl& url);
+    /// What is open of the object that it names goes on with this signature: an old one ends some time.
+    void signAnew(const RemoteUrl& url);
     /// All of what is there, `most` bytes at most, unless it still has the ETag `unless`; nothing is kept of it, and nothing is tried
     /// again. Waits, and no longer than a request takes. Errors: as open().
     Expected<RemoteDocument> fetch(const RemoteUrl& url, std::uint64_t most, const std::string& unless = {});
@@ -73,7 +76,8 @@ class RemoteFiles {
                                    const std::string& unless);
 
     const RemoteOptions options_;
-    mutable std::mutex mutex_;  // guards what follows
+    mutable std::mutex mutex_;                                    // guards what follows
+    std::multimap<std::string, std::weak_ptr<RemoteFile>> open_;  // by what their URLs name
     std::shared_ptr<RemoteCommons> commons_;
     bool stopping_ = false;
     struct Changes;

@@ -11,6 +11,13 @@ namespace scancast {
 namespace {
 
 constexpr std::string_view ending = ".scan", beneath = "x";
+constexpr std::size_t longestTold = 200, mostPages = 1000;
+
+/// The beginning of what stands in the place of a name.
+std::string told(std::string text) {
+    if (text.size() > longestTold) text.replace(longestTold, text.npos, "...");
+    return text;
+}
 
 void order(Listed& listed) {
     std::ranges::sort(listed.clouds, {},
@@ -55,15 +62,20 @@ Expected<std::optional<Listed>> RemoteListing::lookBeneath(RemoteFiles& remote) 
             if (name.find('/') != name.npos || name.starts_with('.') || !name.ends_with(ending)) continue;
             const auto url = RemoteUrl::parse("s3://" + url_.bucket() + "/" + object.key);
             if (!url) {
-                listed.leftOut.push_back(url.error().message);
+                listed.leftOut.push_back(told(percentEncoded(object.key)) + ": " + url.error().message);
                 continue;
             }
             listed.clouds.push_back({url->whole(), url->shown(), url->name(), object.state});
         }
+        if (!next.empty() && page->next == next)
+            return fail(ErrorCode::Malformed, shown_ + ": its list of objects goes on with itself.");
         next = page->next;
-        if (++pages > mostClouds / 100 || listed.clouds.size() > mostClouds)
+        if (listed.clouds.size() + listed.leftOut.size() > mostClouds)
             return fail(ErrorCode::ResourceLimit,
                         shown_ + ": it holds more than " + std::to_string(mostClouds) + " clouds.");
+        if (++pages > mostPages)
+            return fail(ErrorCode::ResourceLimit, shown_ + ": its list of objects has more than " +
+                                                      std::to_string(mostPages) + " pages.");
     } while (!next.empty());
     order(listed);
     return std::optional(std::move(listed));
@@ -82,8 +94,9 @@ Expected<std::optional<Listed>> RemoteListing::lookIn(RemoteFiles& remote) {
             listed.clouds.push_back({url->whole(), url->shown(), url->name(), std::to_string(edition_ + 1)});
             continue;
         }
-        const std::string what = shownArgument(word.substr(0, word.find('?'))), &why = url.error().message;
-        listed.leftOut.push_back(why.starts_with(what) ? why : what + ": " + why);
+        const std::string shown = shownArgument(word), &why = url.error().message;
+        const std::string what = shown.substr(0, shown.find('?'));
+        listed.leftOut.push_back(why.starts_with(what) ? why : told(what) + ": " + why);
     }
     ++edition_;
     etag_ = std::move(answer->etag);

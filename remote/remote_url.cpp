@@ -78,7 +78,15 @@ bool isRemoteUrl(std::string_view text) {
 }
 
 std::string shownArgument(std::string_view word) {
-    return isRemoteUrl(word) ? shownOf(word) : std::string(word);
+    if (isRemoteUrl(word)) return shownOf(word);
+    const auto scheme = word.find("://");
+    if (scheme == word.npos) return std::string(word);
+    // Of another scheme: nobody knows where its name and password end, so nothing before the last @ is told.
+    const auto at = word.rfind('@');
+    const auto host = at == word.npos || at < scheme ? scheme + 3 : at + 1;
+    const std::string_view behind = word.substr(host);
+    return std::string(word.substr(0, scheme + 3)) +
+           std::string(behind.substr(0, behind.find_first_of("?#")));
 }
 
 std::string percentEncoded(std::string_view path) {

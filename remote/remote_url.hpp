@@ -45,7 +45,8 @@ class RemoteUrl {
     std::string whole_, shown_, name_, bucket_, key_, identity_;
 };
 
-/// What an argument of a command line is called in messages: a URL without its query, anything else as it is.
+/// What an argument of a command line is called in messages: a URL, of whatever scheme, without its query, name and password;
+/// anything else as it is.
 std::string shownArgument(std::string_view word);
 
 /// Every byte but letters, digits and -._~ as %XX; slashes stay.

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t longestErrorBody = 4096;
 constexpr long mostRedirects = 5;
+constexpr std::uint64_t documentBytes = 400 << 10;
 
 bool isSecure(const std::string& url) {
     return url.starts_with("https://");
@@ -84,7 +85,8 @@ bool Transfer::begin(Handle handle, const TransferLimits& limits) {
     set(CURLOPT_CONNECTTIMEOUT_MS, long(limits.connect.count()));
     set(CURLOPT_LOW_SPEED_LIMIT, limits.leastRate);
     set(CURLOPT_LOW_SPEED_TIME, std::max(1L, long(limits.stall.count() / 1000)));
-    const std::uint64_t bytes = ask_.whole ? 0 : ask_.bytes;  // nobody knows how long a document is
+    // Nobody knows how long a document is: it has the time of a page of 1,000 objects.
+    const std::uint64_t bytes = ask_.whole ? std::min(ask_.bytes, documentBytes) : ask_.bytes;
     set(CURLOPT_TIMEOUT_MS, long(limits.grace.count()) + long(bytes * 1000 / std::uint64_t(limits.slowest)));
     if (!access.certificates.empty()) set(CURLOPT_CAINFO, access.certificates.c_str());
     if (!access.signing.empty()) {

@@ -22,7 +22,7 @@ struct PartAsk {
     std::shared_ptr<const ObjectAccess> access;
     std::uint64_t first = 0, bytes = 0;     ///< bytes: at least 1
     std::optional<ObjectState> expected{};  ///< that it has to have; an answer of another is a fault
-    int tries = 1;                          ///< how often at most, where nothing comes
+    int tries = 1;                          ///< how often at most, where nothing comes, and soon
     std::chrono::milliseconds delay{0};     ///< before the first one
     /// Not a part: all there is, of `bytes` bytes at most, unless it still has the ETag `unless`.
     bool whole = false;

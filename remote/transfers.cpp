@@ -65,7 +65,7 @@ class CurlTransfers {
   private:
     struct Waiting {
         std::unique_ptr<Transfer> transfer;
-        Clock::time_point due;
+        Clock::time_point due, begun{};
         int tried = 0;
     };
     using One = std::unique_ptr<Waiting>;
@@ -106,6 +106,7 @@ class CurlTransfers {
         ++requests_;
         retries_ += one.tried > 0 ? 1 : 0;
         ++one.tried;
+        one.begun = Clock::now();
         if (!ready || !one.transfer->begin(std::move(ready), options_.limits) ||
             curl_multi_add_handle(multi_.get(), one.transfer->handle()) != CURLM_OK)
             settle(at, tl::unexpected(RequestFault{RequestFault::Kind::Unreachable,
@@ -130,7 +131,9 @@ class CurlTransfers {
 
     void settle(std::list<One>::iterator at, PartOrFault result) {
         Waiting& one = **at;
-        if (!result && result.error().kind == RequestFault::Kind::Unreachable &&
+        // What a slow line did not bring in that long it does not bring the next time: its owner asks for less.
+        const bool wasSlow = Clock::now() - one.begun >= options_.limits.grace / 2;
+        if (!result && result.error().kind == RequestFault::Kind::Unreachable && !wasSlow &&
             one.tried < one.transfer->ask().tries) {
             one.due = Clock::now() + delayAfter(one.tried, result.error());
             return waiting_.splice(waiting_.end(), underWay_, at);

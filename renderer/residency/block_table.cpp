@@ -9,7 +9,8 @@ std::shared_ptr<BlockTable::CloudBlocks> BlockTable::add(std::shared_ptr<const C
     auto cloud = std::make_shared<CloudBlocks>();
     cloud->id = ++lastId_;
     cloud->file = std::move(file);
-    cloud->isRemote = cloud->file->isRemote();
+    // A native cloud's blocks wait for programs, as others do for a network.
+    cloud->isRemote = cloud->file->isRemote() || cloud->file->isNative();
     const auto planes = cloud->file->planes();
     const auto find = [&](const ValuePlane& plane) -> std::optional<std::size_t> {
         const auto at = std::ranges::find(planes, plane);
@@ -70,6 +71,7 @@ BlockState BlockTable::state(CloudBlocks& cloud, std::uint32_t node, Time now) {
         const ErrorCode code = damage.error.code;
         const bool isAwayNow = code == ErrorCode::Unavailable;
         const bool mayPass = isAwayNow || code == ErrorCode::Io || code == ErrorCode::ResourceLimit ||
+                             code == ErrorCode::Importer || code == ErrorCode::Cancelled ||
                              (cloud.isRemote && code == ErrorCode::Malformed);  // of the way, perhaps
         if (mayPass && now >= damage.at + (isAwayNow ? askAgain : retryAfter))
             slot.state = BlockState::Absent;

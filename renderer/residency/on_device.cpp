@@ -19,7 +19,8 @@ bool fits(const Octree& octree, std::span<Cut* const> cuts, const DeviceMemory& 
         for (const CutRun& run : cut->runs) {
             if (seen[run.nodeIndex]) continue;
             seen[run.nodeIndex] = true;
-            const std::uint32_t samples = run.node->sampleCount;
+            const auto samples =
+                run.samples.empty() ? run.node->sampleCount : std::uint32_t(run.samples.size());
             all += samples;
             if (!memory.has(octree.source(), run.nodeIndex, samples, cut->beside)) missing += samples;
         }
@@ -50,8 +51,11 @@ class DeviceProvision {
     }
 
   private:
-    bool isThere(std::uint32_t node) const {
-        return memory_.has(octree_.source(), node, octree_.node(node).sampleCount, beside_);
+    /// What it really has counts, where that is known: a native cloud's nodes only estimate it.
+    bool isThere(std::uint32_t node) {
+        const std::size_t samples =
+            runs_.has(node) ? runs_.run(node).samples.size() : octree_.node(node).sampleCount;
+        return memory_.has(octree_.source(), node, std::uint32_t(samples), beside_);
     }
 
     void add(std::uint32_t node) {
@@ -96,6 +100,7 @@ class DeviceProvision {
             if (beside_) run.beside = samples.beside;
             if (samples.keep) cut.keep.push_back(samples.keep);
         }
+        dealOrdinals(cut);
     }
 
     const Octree& octree_;

@@ -98,6 +98,7 @@ class Provision {
             if (cut_.beside) run.beside = samples.beside;
             if (samples.keep) cut_.keep.push_back(samples.keep);
         }
+        dealOrdinals(cut_);
     }
 
     const Octree& octree_;

@@ -310,11 +310,19 @@ class Selection {
 
 }  // namespace
 
+void dealOrdinals(Cut& cut) {
+    std::uint64_t next = 0;
+    for (CutRun& run : cut.runs) {
+        run.firstOrdinal = std::uint32_t(next);
+        next += std::max<std::uint64_t>(run.node->sampleCount, run.samples.size());
+    }
+}
+
 void number(Cut& cut) {
+    dealOrdinals(cut);
     cut.samples = cut.points = 0;
     cut.spacingReached = 0;
     for (CutRun& run : cut.runs) {
-        run.firstOrdinal = std::uint32_t(cut.samples);
         cut.samples += run.node->sampleCount;
         if (!run.covered) cut.points += run.node->points;
         cut.spacingReached = std::max(cut.spacingReached, run.projected);

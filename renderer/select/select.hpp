@@ -46,9 +46,10 @@ struct CutRun {
     std::span<const SampleLimits> limits{};  ///< of the samples, likewise; empty: not known
     std::span<const BesideWord> beside{};    ///< likewise; empty: not known
     double projected = 0;                    ///< spacing as it appears in the picture, px, at most
-    double share = 1;                ///< of the samples, drawn: those whose turn it is (fade.hpp); > 0
-    bool covered = false;            ///< an ancestor is drawn, too
-    std::uint32_t firstOrdinal = 0;  ///< ordinal in the cut of samples[0]; ordinals are dense
+    double share = 1;      ///< of the samples, drawn: those whose turn it is (fade.hpp); > 0
+    bool covered = false;  ///< an ancestor is drawn, too
+    std::uint32_t firstOrdinal =
+        0;  ///< ordinal in the cut of samples[0]; they grow from run to run, with gaps in native clouds
 };
 
 /// Every leaf in sight is covered by one whole run: its own, or an ancestor's. Without fading there are no others; with
@@ -77,6 +78,9 @@ struct Cut {
 
 /// Of all runs, from their nodes: firstOrdinal, and the cut's samples, points and spacingReached.
 void number(Cut& cut);
+/// The ordinals alone, anew: once its runs have their samples, of which a native cloud's nodes may have more than they say. Those that are
+/// left out between two runs are nobody's.
+void dealOrdinals(Cut& cut);
 
 Cut select(const Octree& octree, const Viewpoint& viewpoint, const SelectOptions& options);
 

@@ -34,22 +34,26 @@ bool isCopcFile(const InputFile& file) {
 Expected<std::shared_ptr<const CloudFile>> openNative(std::unique_ptr<RandomReader> reader,
                                                       const std::filesystem::path& name,
                                                       const std::string& identity,
-                                                      const NativeOpening& opening) {
+                                                      const NativeOpening& opening,
+                                                      std::vector<Mirror> mirrors) {
     NativeCloudOptions options{.name = name,
                                .title = name.filename().string(),
                                .identity = identity,
                                .surfels = opening.surfels,
-                               .memory = opening.memory};
+                               .memory = opening.memory,
+                               .crs = opening.crs,
+                               .mirrors = std::move(mirrors)};
     if (opening.look) options.look = lookOf;
     return openCopc(std::move(reader), opening.decoders ? opening.decoders : ChunkDecoders::create({}),
                     std::move(options));
 }
 
-Expected<std::shared_ptr<const CloudFile>> openNative(InputFile file, const NativeOpening& opening) {
+Expected<std::shared_ptr<const CloudFile>> openNative(InputFile file, const NativeOpening& opening,
+                                                      std::vector<Mirror> mirrors) {
     const std::filesystem::path name = file.name();
     const FileIdentity identity = file.identity();
     return openNative(readerOf(std::move(file)), name, fmt::format("{} {}", identity.bytes, identity.changed),
-                      opening);
+                      opening, std::move(mirrors));
 }
 
 }  // namespace scancast

@@ -195,11 +195,11 @@ void CloudWatch::lookAtAll() {
 
 // Opened anew rather than asked for by name: what lies beneath --data-root is found beneath it, or not at all.
 void CloudWatch::lookAt(Watched& one) {
-    if (one.building) return;
     const auto entry = catalog_.find(one.served.id);
-    one.isOver =
-        !entry || (one.refused ? entry->state != CloudState::Failed : entry->cloud != one.cloud.lock());
-    if (one.isOver) return;
+    const bool isKeptAnew = one.building && !one.served.remote;  // then the loader says what is shown
+    one.isOver = !entry || (!isKeptAnew && (one.refused ? entry->state != CloudState::Failed
+                                                        : entry->cloud != one.cloud.lock()));
+    if (one.isOver || one.building) return;
     if (one.served.remote) return lookAtRemote(one);
     auto file = [&]() -> Expected<InputFile> {
         if (one.served.kept) return InputFile::open(*one.served.kept);

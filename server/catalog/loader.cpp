@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <tuple>
@@ -30,6 +31,8 @@ namespace fs = std::filesystem;
 
 // While an octree is built in memory; about a quarter of it stays.
 constexpr std::uint64_t bytesPerPoint = 60;
+// While a scan is opened that is shown as it is: its upper levels.
+constexpr std::uint64_t bytesToOpenNative = 32 << 20;
 // A scan that does not say how many points it has: text has fewer to the byte, compressed files more.
 constexpr std::uint64_t bytesPerUnknownByte = 6, keptBytesPerUnknownByte = 2;
 
@@ -58,11 +61,34 @@ fs::path plainName(const fs::path& file) {
     return url ? fs::path(url->name()) : fs::path("cloud");
 }
 
+/// What it is known by: of a URL what it names, however that is signed.
+std::string identityOf(const fs::path& file) {
+    if (!isRemote(file)) return file.native();
+    const auto url = RemoteUrl::parse(file.native());
+    return url ? url->identity() : file.native();
+}
+
 LoaderOptions stoppedBy(std::stop_token stop, LoaderOptions options) {
     options.import.stop = std::move(stop);
     std::error_code none;
     options.import.photos = options.kept ? options.kept->folder() : fs::temp_directory_path(none);
     return options;
+}
+
+/// Native clouds share decoders and memory. What has been promised is finished when the loader has stopped, so decoders do not stop with it.
+NativeOpening nativeOpening(const LoaderOptions& options) {
+    constexpr std::uint64_t usual = 64 << 20;
+    ImportOptions import = options.import;
+    import.stop = {};
+    const auto reserve = [cache = std::weak_ptr(options.cache)](std::uint64_t bytes) {
+        const auto there = cache.lock();
+        return there ? there->reserve(bytes) : nullptr;
+    };
+    const std::uint64_t limit = std::min(usual, options.cache->stats().limit / 8);
+    return {.decoders = ChunkDecoders::create(std::move(import)),
+            .memory = std::make_shared<GatheredMemory>(limit, reserve),
+            .crs = options.import.assumeCrs,
+            .surfels = options.shape.surfels};
 }
 
 /// Another path, size, time, program or way to build gives another name.
@@ -121,9 +147,7 @@ class Loader::IngestMemory {
 Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions options)
     : catalog_(catalog),
       options_(stoppedBy(stop_.get_token(), std::move(options))),
-      native_{.decoders = ChunkDecoders::create(options_.import),
-              .memory = std::min(NativeOpening().memory, options_.cache->stats().limit / 8),
-              .surfels = options_.shape.surfels},
+      native_(nativeOpening(options_)),
       watch_(catalog, watchOptions()) {
     std::error_code none;
     sweepOwnedFolders(fs::temp_directory_path(none));  // of servers that were killed
@@ -146,12 +170,39 @@ Loader::~Loader() {
 
 bool Loader::load(ScanInput input, std::string id) {
     const Monitor::Lock lock(monitor_);
-    if (stop_.stop_requested() || waiting() >= mostAdded) return false;
+    if (stop_.stop_requested() || added() >= mostAdded) return false;
     ScanPlace place = input.place();
     disownLocked(id);
     unsorted_.push_back({std::move(place), std::move(id), std::move(input), numbers_});
     ++numbers_;
     return true;
+}
+
+/// Of those that wait, the ones that load() brought.
+std::size_t Loader::added() const {
+    std::size_t count = 0;
+    for (const Jobs* jobs : {&unsorted_, &own_, &forImporters_})
+        count +=
+            std::size_t(std::ranges::count_if(*jobs, [](const Job& job) { return job.opened.has_value(); }));
+    return count;
+}
+
+/// Where it is now: a URL may have been signed anew meanwhile.
+ScanPlace Loader::currentPlace(const ScanPlace& place, const std::string& id) const {
+    if (!isRemote(place.name)) return place;
+    for (const Named& named : named_)
+        if (named.id == id && identityOf(named.file) == identityOf(place.name)) return {.name = named.file};
+    return place;
+}
+
+/// The same object's URL, with another signature: what waits for it, is opened again or is open goes on with that one.
+void Loader::signAnewLocked(Named& named, fs::path file) {
+    named.file = std::move(file);
+    for (Jobs* jobs : {&unsorted_, &remote_, &later_})
+        for (Job& job : *jobs)
+            if (job.id == named.id) job.place = currentPlace(job.place, job.id);
+    const auto url = RemoteUrl::parse(named.file.native());
+    if (url && options_.remote) options_.remote->signAnew(*url);
 }
 
 /// It is another's from now on: the cloud of the file that had it was removed.
@@ -222,18 +273,27 @@ Loader::Changes Loader::serve(std::vector<fs::path> files, Again again) {
     {
         const Monitor::Lock lock(monitor_);
         if (stop_.stop_requested()) return {};
+        std::multimap<std::string, std::size_t> wanted;  // named twice: served twice
+        for (std::size_t i = 0; i < files.size(); ++i) wanted.emplace(identityOf(files[i]), i);
         for (auto named = named_.begin(); named != named_.end();) {
-            const auto at = std::ranges::find(files, named->file);  // named twice: served twice
-            if (at == files.end()) {
+            const auto at = wanted.find(identityOf(named->file));
+            if (at == wanted.end()) {
                 changes.removed += named->leaves ? 0 : 1;
                 named = removeLocked(*named) ? named_.erase(named) : std::next(named);
                 continue;
             }
-            files.erase(at);
+            fs::path file = std::exchange(files[at->second], {});
+            wanted.erase(at);
             named->leaves = false;
-            changes.tried += tryAgainLocked(*named, again) ? 1 : 0;
+            // What an old signature did not open the new one may.
+            const bool isSignedAnew = file != named->file;
+            if (isSignedAnew) signAnewLocked(*named, std::move(file));
+            changes.tried +=
+                tryAgainLocked(*named, isSignedAnew && again == Again::Leave ? Again::TryFailed : again) ? 1
+                                                                                                         : 0;
             ++named;
         }
+        std::erase_if(files, [](const fs::path& file) { return file.empty(); });
         changes.added = files.size();
         addLocked(std::move(files));
     }
@@ -251,8 +311,8 @@ bool Loader::allFailed() const {
 
 bool Loader::rebuild(const WatchedFile& file, const std::shared_ptr<const Cloud>& instead) {
     const Monitor::Lock lock(monitor_);
-    if (stop_.stop_requested() || waiting() >= mostAdded) return false;
-    Job job{file.place, file.id};
+    if (stop_.stop_requested()) return false;  // the watch asks once for each cloud
+    Job job{currentPlace(file.place, file.id), file.id};
     job.instead = instead;
     job.number = numbers_;
     unsorted_.push_back(std::move(job));
@@ -394,11 +454,11 @@ void Loader::settleRebuilt(const Job& job, Result cloud) {
 // What was read of the old object goes on being drawn until the new one is there.
 void Loader::settleReopened(const Job& job, Result cloud) {
     if (!cloud) return watch_.notOpened(job.id, cloud.error());
-    const bool isShown =
-        catalog_.replace(job.id, job.instead->lock(), *cloud);  // else it was removed meanwhile
+    // Removed meanwhile, and perhaps another has its id: the watch sees that by itself.
+    const auto before = job.instead->lock();
+    if (!before || !catalog_.replace(job.id, before, *cloud)) return;
     watch_.opened(*job.watched);
     watch_.shown(job.id, *cloud);
-    if (!isShown) return;
     note(fmt::format("{}: {} has been replaced, and the new one is served from now on: {} in {}.", job.id,
                      plainName(job.file()).string(), counted((*cloud)->points, "point"),
                      counted((*cloud)->octree.nodes().size(), "node")));
@@ -433,6 +493,7 @@ Loader::Result Loader::openRemote(Job& job) {
     if (!options_.remote)
         return fail(ErrorCode::Unsupported,
                     shownArgument(job.file().native()) + ": URLs are not opened here");
+    const auto opening = options_.cache->reserve(bytesToOpenNative);
     auto opened = openRemoteCloud(*options_.remote, job.file().native(), native_);
     if (!opened) return passOn(std::move(opened));
     WatchedFile watched{.id = job.id, .place = job.place, .file = opened->file, .remote = opened->object};
@@ -452,7 +513,7 @@ bool Loader::tryLater(Job& job, const Error& error) {
     catalog_.setProgress(job.id, Catalog::waitingStage, 0, 0);
     const Monitor::Lock lock(monitor_);
     if (stop_.stop_requested()) return false;
-    Job again{.place = job.place, .id = job.id, .number = job.number};
+    Job again{.place = currentPlace(job.place, job.id), .id = job.id, .number = job.number};
     again.due = Clock::now() + options_.remoteRetry;
     again.waitsForRemote = true;
     later_.push_back(std::move(again));
@@ -496,7 +557,10 @@ Loader::Result Loader::openAsItIs(const ScanInput& input, Job& job) {
     auto shared = input.file().share();
     if (!shared) return passOn(std::move(shared));
     WatchedFile watched{.id = job.id, .place = job.place, .identity = shared->identity()};
-    auto opened = openNative(std::move(*shared), native_);
+    auto mirrors = input.mirrors();
+    if (!mirrors) return passOn(std::move(mirrors));
+    const auto opening = options_.cache->reserve(bytesToOpenNative);
+    auto opened = openNative(std::move(*shared), native_, std::move(*mirrors));
     if (!opened) return passOn(std::move(opened));
     watched.file = *opened;
     job.watched = watched;

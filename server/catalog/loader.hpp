@@ -87,7 +87,7 @@ class Loader {
     /// From now on these files are served in place of those of the constructor, or of the last call: new ones are added,
     /// those that are not named any more are removed (what is being read first when it has been), what has failed, or was
     /// removed by others, is tried again (or only the former), or left as it is; and whether a file has changed is looked at at once. What load()
-    /// brought stays.
+    /// brought stays. A URL that names the same object with another signature is the same file.
     Changes serve(std::vector<std::filesystem::path> files, Again again = Again::Try);
     void requestStop();
     /// Nothing is being loaded, and nothing waits; after requestStop(): nothing is being loaded.
@@ -139,6 +139,9 @@ class Loader {
     std::size_t waiting() const {
         return unsorted_.size() + own_.size() + remote_.size() + forImporters_.size() + later_.size();
     }
+    std::size_t added() const;
+    ScanPlace currentPlace(const ScanPlace& place, const std::string& id) const;
+    void signAnewLocked(Named& named, std::filesystem::path file);
     Clock::time_point nextLater() const;
     void takeLater();
     bool tryLater(Job& job, const Error& error);

@@ -49,7 +49,12 @@ Expected<std::shared_ptr<const Cloud>> openAsItIs(const ScanInput& input, const 
     if (!cache) return passOn(cache);
     auto shared = input.file().share();
     if (!shared) return passOn(std::move(shared));
-    auto file = openNative(std::move(*shared), {.surfels = options.surfels});
+    auto mirrors = input.mirrors();
+    if (!mirrors) return passOn(std::move(mirrors));
+    auto crs = assumedCrs(options.assumeCrs);
+    if (!crs) return passOn(crs);
+    auto file =
+        openNative(std::move(*shared), {.crs = *crs, .surfels = options.surfels}, std::move(*mirrors));
     if (!file) return passOn(std::move(file));
     return openCloud(std::move(*file), *cache);
 }
@@ -120,6 +125,8 @@ Expected<std::shared_ptr<const Cloud>> openAny(const std::vector<std::string>& a
         }
         if (options.native && isCopcFile(input->file())) return openAsItIs(*input, options);
     }
+    if (options.native)
+        tell("--native shows one scan in COPC as it is; what is named here is read as usual\n");
     BuildOptions build;
     build.title = titleOf(arguments);
     build.threads = options.threads;

@@ -15,7 +15,7 @@ namespace {
 // Some 500 bytes each: half a gigabyte, of a scan of some ten billion points.
 constexpr std::size_t mostNodes = 1 << 20;
 // Points may lie a little outside their voxel, by the rounding of whoever wrote them.
-constexpr double margin = 0.125, marginSteps = 4;
+constexpr double margin = 0.125, marginSteps = 16;
 // No grid has numbers that float64 does not tell apart.
 constexpr double farthestStep = 0x1p52;
 constexpr std::int64_t mostInSample = 65535;

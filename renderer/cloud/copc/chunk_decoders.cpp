@@ -23,6 +23,8 @@ namespace {
 using namespace chunk_messages;
 
 constexpr int mostPrograms = 4;
+// A chunk is decoded within a second; whoever waits for it cannot be called off.
+constexpr int longestSilence = 20;
 
 /// One running program.
 class ChunkProgram {
@@ -42,7 +44,7 @@ class ChunkProgram {
     }
 
     ChunkProgram(LaunchedProgram program, const ImportOptions& options)
-        : silence_(std::max(1, options.importerSilenceSeconds)),
+        : silence_(std::clamp(options.importerSilenceSeconds, 1, longestSilence)),
           input_(std::move(program.input)),
           process_(std::move(program), silence_, options.stop) {}
 
@@ -83,7 +85,7 @@ class ChunkProgram {
                 ::poll(&end, 1, 1000);
                 continue;
             }
-            return ended("takes no chunks");
+            return ended("takes no chunks", written < 0 && errno == EPIPE);
         }
         return {};
     }
@@ -98,7 +100,13 @@ class ChunkProgram {
         return {};
     }
 
-    tl::unexpected<Error> ended(const char* otherwise) {
+    tl::unexpected<Error> ended(const char* otherwise, bool isOver = false) {
+        // How it ended is known once its output has been read to the end.
+        std::array<std::byte, 4096> rest{};
+        while (isOver) {
+            const auto got = process_.read(rest);
+            isOver = got && *got > 0;
+        }
         const auto bad = process_.badEnd();
         return fail(ErrorCode::Importer, "scancast-import-laz " + bad.value_or(otherwise));
     }
@@ -122,52 +130,65 @@ class ProgramPool final : public ChunkDecoders {
         const RequestHead head{shape.pointFormat, shape.recordBytes, std::uint32_t(shape.laszip.size()),
                                points, chunk.size()};
         // A program that another chunk made ill, or that has used up its time, is not this one's fault.
-        auto records = askOnce(head, shape.laszip, chunk);
+        auto records = askOnce(head, shape, chunk, false);
         if (!records && records.error().code == ErrorCode::Importer)
-            records = askOnce(head, shape.laszip, chunk);
+            records = askOnce(head, shape, chunk, true);
         return records;
     }
 
   private:
     using Program = std::unique_ptr<ChunkProgram>;
 
-    Expected<std::vector<std::byte>> askOnce(const RequestHead& head, std::span<const std::byte> laszip,
-                                             std::span<const std::byte> chunk) {
-        Turn turn(*this);
+    Expected<std::vector<std::byte>> askOnce(const RequestHead& head, const ChunkShape& shape,
+                                             std::span<const std::byte> chunk, bool anew) {
+        Turn turn(*this, shape.owner);
+        if (anew) turn.program.reset();
         if (!turn.program) {
             auto started = ChunkProgram::start(options_);
             if (!started) return passOn(started);
             turn.program = std::move(*started);
         }
         turn.program->begin();
-        return turn.program->ask(head, laszip, chunk);
+        return turn.program->ask(head, shape.laszip, chunk);
     }
 
     /// A program of its own for as long as it lives, or the right to start one.
     struct Turn {
-        explicit Turn(ProgramPool& all) : pool(all) {
+        Turn(ProgramPool& all, std::uint64_t whose) : pool(all), owner(whose) {
+            Program another;  // goes without the lock
             Monitor::Lock lock(pool.monitor_);
             pool.monitor_.wait(lock, [&] { return pool.working_ < pool.most_; });
             ++pool.working_;
-            if (pool.idle_.empty()) return;
-            program = std::move(pool.idle_.back());
-            pool.idle_.pop_back();
+            const auto own = std::ranges::find(pool.idle_, owner, &Idle::owner);
+            const bool isFull = pool.idle_.size() + std::size_t(pool.working_) > std::size_t(pool.most_);
+            if (own != pool.idle_.end())
+                program = std::move(own->program), pool.idle_.erase(own);
+            else if (isFull)
+                another = std::move(pool.idle_.front().program), pool.idle_.erase(pool.idle_.begin());
+            lock.unlock();
+            another.reset();
+            lock.lock();
         }
         ~Turn() {
             if (program && !program->isWell()) program.reset();
             const Monitor::Lock lock(pool.monitor_);
             --pool.working_;
-            if (program) pool.idle_.push_back(std::move(program));  // there is room: see below
+            if (program) pool.idle_.push_back({owner, std::move(program)});  // there is room: see below
         }
         Turn(const Turn&) = delete;
         Turn& operator=(const Turn&) = delete;
 
         ProgramPool& pool;
+        const std::uint64_t owner;
         Program program{};
     };
+    struct Idle {
+        std::uint64_t owner;
+        Program program;
+    };
 
-    static std::vector<Program> roomFor(int most) {
-        std::vector<Program> room;
+    static std::vector<Idle> roomFor(int most) {
+        std::vector<Idle> room;
         room.reserve(std::size_t(most));
         return room;
     }
@@ -176,7 +197,7 @@ class ProgramPool final : public ChunkDecoders {
     const int most_;
     Monitor monitor_;  // guards what follows
     int working_ = 0;
-    std::vector<Program> idle_ = roomFor(most_);
+    std::vector<Idle> idle_ = roomFor(most_);  // who was asked last, last
 };
 
 }  // namespace

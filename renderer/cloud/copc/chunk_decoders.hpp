@@ -1,5 +1,5 @@
 // Programs that decode chunks of LAZ, each shut in as importers are (decision 18): started when they are needed, asked again and again, as many at
-// once as this machine has use for, and started anew where one crashed or hangs. What a chunk does to its decoder costs that chunk.
+// once as this machine has use for, and started anew where one crashed or hangs. None has chunks of two clouds, so what a chunk does to its decoder costs its cloud.
 // Owned by whoever opens native clouds, together with them. *Thread safety*: decode() may be called from any thread, and waits for a program that
 // is free. Place: fetched chunk → **chunk decoders** → records.
 #pragma once
@@ -17,6 +17,8 @@ namespace scancast {
 struct ChunkShape {
     std::uint32_t pointFormat = 0, recordBytes = 0;
     std::vector<std::byte> laszip;  ///< the content of the record "laszip encoded"
+    /// Whose chunks they are: a program has seen those of one alone, so that what takes it over finds nobody else's.
+    std::uint64_t owner = 0;
 };
 
 class ChunkDecoders {

@@ -5,14 +5,17 @@
 
 #include <algorithm>
 #include <atomic>
+#include <glm/common.hpp>
 #include <new>
 #include <thread>
 
 #include "protocol/text/grouped.hpp"
+#include "renderer/cloud/copc/computing_turn.hpp"
 #include "renderer/cloud/copc/copc_head.hpp"
 #include "renderer/cloud/copc/gathered_points.hpp"
 #include "renderer/cloud/copc/node_surfels.hpp"
 #include "renderer/cloud/copc/upper_levels.hpp"
+#include "renderer/cloud/copc/voxel_chunks.hpp"
 #include "threads/guarded.hpp"
 
 namespace scancast {
@@ -23,40 +26,7 @@ namespace fs = std::filesystem;
 using Bytes = std::vector<std::byte>;
 
 constexpr std::size_t upperThreads = 4;
-
-/// Chunks of a file, fetched and decoded. Errors without its name.
-class Chunks {
-  public:
-    Chunks(const RandomReader& reader, ChunkDecoders& decoders, const ChunkShape& shape,
-           const CopcHierarchy& hierarchy)
-        : reader_(reader), decoders_(decoders), shape_(shape), hierarchy_(hierarchy) {}
-
-    void expect(std::uint32_t voxel) const {
-        reader_.expect(hierarchy_.voxels[voxel].offset, hierarchy_.voxels[voxel].bytes);
-    }
-
-    Expected<Bytes> records(std::uint32_t index) const {
-        const CopcVoxel& voxel = hierarchy_.voxels[index];
-        Bytes chunk(voxel.bytes);
-        // What came over a network may be sound the second time.
-        for (int tries = 2;; --tries) {
-            const auto got = reader_.readAt(voxel.offset, chunk);
-            if (!got) return passOn(got);
-            if (*got < chunk.size())
-                return fail(
-                    ErrorCode::Truncated,
-                    fmt::format("it ends at byte {}, within the points of a voxel", voxel.offset + *got));
-            auto records = decoders_.decode(shape_, voxel.points, chunk);
-            if (records || tries == 1 || !reader_.forget(voxel.offset, voxel.bytes)) return records;
-        }
-    }
-
-  private:
-    const RandomReader& reader_;
-    ChunkDecoders& decoders_;
-    const ChunkShape& shape_;
-    const CopcHierarchy& hierarchy_;
-};
+constexpr std::uint64_t usualMemory = 64 << 20;
 
 /// All that is known when it is open; what refers to each other stays where it is.
 struct Opened {
@@ -87,7 +57,7 @@ class CopcFile final : public CloudFile {
     bool isAway() const override { return opened_->reader->isAway(); }
     bool isNative() const override { return true; }
     std::uint64_t ownMemory() const override {
-        std::uint64_t bytes = opened_->options.memory + opened_->hierarchy.voxels.size() * sizeof(CopcVoxel) +
+        std::uint64_t bytes = opened_->hierarchy.voxels.size() * sizeof(CopcVoxel) +
                               opened_->tree.own.size() * sizeof(AdditiveNode);
         for (const RawPoints& points : opened_->upper)
             if (points) bytes += points->size() * sizeof(RawPoint);
@@ -105,6 +75,7 @@ class CopcFile final : public CloudFile {
                 if (!upper(voxel)) chunks_.expect(voxel);
             const auto points = gathered_.of(node);
             if (!points) return named(node, points.error());
+            const ComputingTurn computing;
             auto samples = samplesOf(**points, opened_->tree.own[node].lattice);
             if (!samples) return named(node, samples.error());
             if (opened_->options.surfels) addNodeSurfels(nodes()[node].node, *samples);
@@ -143,7 +114,7 @@ class CopcFile final : public CloudFile {
     }
 
     const std::unique_ptr<Opened> opened_;
-    const Chunks chunks_;
+    const VoxelChunks chunks_;
     mutable GatheredPoints gathered_;
 };
 
@@ -156,6 +127,7 @@ class Opening {
         opened_->reader = std::move(reader);
         opened_->decoders = std::move(decoders);
         opened_->options = std::move(options);
+        if (!opened_->options.memory) opened_->options.memory = std::make_shared<GatheredMemory>(usualMemory);
     }
 
     Expected<std::shared_ptr<const CloudFile>> run() {
@@ -166,6 +138,7 @@ class Opening {
         if (!hierarchy) return passOn(std::move(hierarchy));
         opened_->las = head->las.las();
         opened_->shape = head->shape;
+        opened_->shape.owner = newSource();
         opened_->hierarchy = std::move(*hierarchy);
         auto records = upperRecords();
         if (!records) return passOn(std::move(records));
@@ -176,7 +149,7 @@ class Opening {
         opened_->frame = {head->info,
                           opened_->las.grid(),
                           {},
-                          opened_->las.bounds,
+                          boundsOf(head->info),
                           rootSpacing(rootOf(*records), head->las, head->info)};
         LasReader las = std::move(head->las);
         las.setPoints(opened_->hierarchy.points);
@@ -185,6 +158,9 @@ class Opening {
             upperCloud(std::move(las), std::move(*records), opened_->options.title, opened_->options.surfels);
         if (!upper) return passOn(upper);
         opened_->frame.origin = (*upper)->origin;
+        // Some headers have the bounds of another tile.
+        auto& [low, high] = opened_->frame.bounds;
+        low = glm::min(low, (*upper)->bounds[0]), high = glm::max(high, (*upper)->bounds[1]);
         auto tree = additiveTree(opened_->hierarchy, opened_->frame);
         if (!tree) return passOn(std::move(tree));
         opened_->tree = std::move(*tree);
@@ -198,10 +174,21 @@ class Opening {
     }
 
   private:
+    /// The header's where they can be meant; else the cube.
+    std::array<glm::dvec3, 2> boundsOf(const CopcInfo& info) const {
+        const glm::dvec3 low = info.center - info.halfSize, high = info.center + info.halfSize;
+        const auto [first, last] = opened_->las.bounds;
+        const double more = info.halfSize / 4;
+        for (int a = 0; a < 3; ++a)
+            if (!(first[a] <= last[a] && first[a] >= low[a] - more && last[a] <= high[a] + more))
+                return {low, high};
+        return {first, last};
+    }
+
     /// Fetched all at once, and decoded by as many as there are.
     Expected<std::vector<Bytes>> upperRecords() {
         voxels_ = upperVoxels(opened_->hierarchy, opened_->options.upperPoints);
-        const Chunks chunks(*opened_->reader, *opened_->decoders, opened_->shape, opened_->hierarchy);
+        const VoxelChunks chunks(*opened_->reader, *opened_->decoders, opened_->shape, opened_->hierarchy);
         for (const std::uint32_t voxel : voxels_) chunks.expect(voxel);
         std::vector<Expected<Bytes>> got(voxels_.size());
         std::atomic<std::size_t> next = 0;
@@ -254,9 +241,14 @@ class Opening {
         facts.format = fmt::format("COPC 1.0, LAS 1.{}, point format {}", opened_->las.minorVersion,
                                    opened_->las.pointFormat);
         facts.points = hierarchy.points;
-        facts.bounds = opened_->las.bounds;
+        facts.bounds = opened_->frame.bounds;
         facts.crsWkt = scan.crsWkt;
         facts.crsEpsg = scan.crsEpsg;
+        if (const auto& crs = opened_->options.crs) facts.crsWkt = crs->wkt, facts.crsEpsg = crs->epsg;
+        facts.mirrors = opened_->options.mirrors;
+        if (hierarchy.points != opened_->las.points)
+            facts.notes.push_back(fmt::format("its header promises {} points, and its octree has {}",
+                                              grouped(opened_->las.points), grouped(hierarchy.points)));
         facts.grid = ScanGrid{opened_->las.grid().origin, opened_->las.grid().step};
         facts.spacing = meanSpacing();
         // What each node finds out by itself has no side; there is nothing beside it.

@@ -11,7 +11,9 @@
 
 #include "files/random_reader.hpp"
 #include "renderer/cloud/copc/chunk_decoders.hpp"
+#include "renderer/cloud/copc/gathered_points.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
+#include "renderer/cloud/import/assumed_crs.hpp"
 
 namespace scancast {
 
@@ -21,7 +23,10 @@ struct NativeCloudOptions {
     std::string identity;                ///< of what is read, beside its bytes: part of the revision
     bool surfels = true;                 ///< normals and radii are estimated, of each node on the way
     std::uint64_t upperPoints = 50'000;  ///< from so many on, upper levels tell enough of the scan
-    std::uint64_t memory = 64 << 20;     ///< bytes, of points that are kept for the nodes below them
+    /// Of points that are kept for the nodes below them; empty: 64 MB of its own.
+    std::shared_ptr<GatheredMemory> memory{};
+    std::optional<AssumedCrs> crs{};  ///< taken for the scan's, whatever it says
+    std::vector<Mirror> mirrors{};    ///< that stand beside the scan
     /// How it is seen when nobody says anything, by its upper levels; empty: it has no look.
     std::function<std::optional<Look>(const std::shared_ptr<const Cloud>& upper)> look{};
 };

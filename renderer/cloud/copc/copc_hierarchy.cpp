@@ -121,9 +121,24 @@ class Reading {
         }
         std::erase_if(all.voxels, [](const CopcVoxel& voxel) { return voxel.below == 0; });
         if (all.voxels.empty()) return fail(ErrorCode::Empty, "it has no points");
+        if (auto ok = checkChunks(all.voxels); !ok) return passOn(ok);
         all.points = all.voxels.front().below;
         all.digest = digestOf(all);
         return all;
+    }
+
+    /// No two have the same bytes: points would be there twice.
+    static Expected<void> checkChunks(const std::vector<CopcVoxel>& voxels) {
+        std::vector<std::pair<std::uint64_t, std::uint64_t>> chunks;
+        for (const CopcVoxel& voxel : voxels)
+            if (voxel.points > 0) chunks.emplace_back(voxel.offset, voxel.bytes);
+        std::ranges::sort(chunks);
+        for (std::size_t i = 1; i < chunks.size(); ++i)
+            if (chunks[i - 1].first + chunks[i - 1].second > chunks[i].first)
+                return fail(ErrorCode::Malformed,
+                            fmt::format("two voxels of its octree have the same points, at byte {}",
+                                        chunks[i].first));
+        return {};
     }
 
     static std::uint64_t digestOf(const CopcHierarchy& all) {

@@ -31,7 +31,7 @@ inline constexpr std::uint32_t noVoxel = 0xffffffff;
 struct CopcLimits {
     std::uint64_t entries = 4 << 20;  ///< 128 MB of them
     std::uint64_t pages = 1 << 16;
-    std::uint32_t points = 4 << 20;  ///< of one voxel; of others' programs none has more than some 100,000
+    std::uint32_t points = 1 << 20;  ///< of one voxel; of others' programs none has more than some 100,000
     std::uint32_t chunkBytes = 64 << 20;
 };
 

@@ -6,8 +6,8 @@ namespace scancast {
 
 namespace {
 
-// 320 MB while they are gathered. Of a file whose voxels are what they say, some 100,000.
-constexpr std::size_t mostGathered = 16 << 20;
+// As many as there always may be in a block (32 MB). Of a file whose voxels are what they say, some 100,000.
+constexpr std::size_t mostGathered = 2 << 20;
 
 std::uint64_t bytesOf(const RawPoints& points) {
     return points->size() * sizeof(RawPoint) + 128;
@@ -15,9 +15,40 @@ std::uint64_t bytesOf(const RawPoints& points) {
 
 }  // namespace
 
+void GatheredMemory::take(std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (!reserved_ && reserve_) reserved_ = reserve_(limit_);
+    bytes_ += bytes;
+}
+
+void GatheredMemory::giveBack(std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    bytes_ -= bytes;
+}
+
+bool GatheredMemory::isFull() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_ > limit_;
+}
+
 GatheredPoints::GatheredPoints(const AdditiveTree& tree, const CopcHierarchy& hierarchy,
-                               const AdditiveFrame& frame, std::uint64_t bytes, OwnPoints own)
-    : tree_(tree), hierarchy_(hierarchy), frame_(frame), limit_(bytes), own_(std::move(own)) {}
+                               const AdditiveFrame& frame, std::shared_ptr<GatheredMemory> memory,
+                               OwnPoints own)
+    : tree_(tree), hierarchy_(hierarchy), frame_(frame), memory_(std::move(memory)), own_(std::move(own)) {}
+
+GatheredPoints::~GatheredPoints() {
+    memory_->giveBack(bytes_);
+}
+
+void GatheredPoints::take(std::uint64_t bytes) {
+    memory_->take(bytes);
+    bytes_ += bytes;
+}
+
+void GatheredPoints::giveBack(std::uint64_t bytes) {
+    memory_->giveBack(bytes);
+    bytes_ -= bytes;
+}
 
 std::vector<std::uint32_t> GatheredPoints::missingFor(std::uint32_t node) const {
     std::vector<std::uint32_t> voxels;
@@ -63,13 +94,14 @@ Expected<RawPoints> GatheredPoints::of(std::uint32_t node) {
 void GatheredPoints::keep(std::uint32_t node, RawPoints points) {
     const std::uint64_t more = bytesOf(points);
     const Monitor::Lock lock(monitor_);
-    if (more > limit_) return;
+    if (more > memory_->limit()) return;
     uses_.push_front(node);
     kept_[node] = {std::move(points), uses_.begin()};
-    bytes_ += more;
-    while (bytes_ > limit_) {
+    take(more);
+    // Its own go, however much others have.
+    while (memory_->isFull() && !uses_.empty()) {
         const auto last = kept_.find(uses_.back());
-        bytes_ -= bytesOf(last->second.points);
+        giveBack(bytesOf(last->second.points));
         kept_.erase(last);
         uses_.pop_back();
     }

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <memory>
+#include <mutex>
 #include <unordered_map>
 
 #include "renderer/cloud/copc/raw_points.hpp"
@@ -13,14 +15,37 @@
 
 namespace scancast {
 
+/// What native clouds of a process keep together. *Thread safety*: every function may be called from any thread.
+class GatheredMemory {
+  public:
+    using Reserve = std::function<std::shared_ptr<const void>(std::uint64_t bytes)>;
+    /// `reserve` counts all of it, once something is kept, for as long as this lives.
+    explicit GatheredMemory(std::uint64_t limit, Reserve reserve = {})
+        : limit_(limit), reserve_(std::move(reserve)) {}
+    std::uint64_t limit() const { return limit_; }
+    bool isFull() const;
+    void take(std::uint64_t bytes);
+    void giveBack(std::uint64_t bytes);
+
+  private:
+    const std::uint64_t limit_;
+    const Reserve reserve_;
+    mutable std::mutex mutex_;  // guards what follows
+    std::uint64_t bytes_ = 0;
+    std::shared_ptr<const void> reserved_;
+};
+
 class GatheredPoints {
   public:
     /// The own points of a voxel, which has some. Waits for what they come from.
     using OwnPoints = std::function<Expected<RawPoints>(std::uint32_t voxel)>;
 
-    /// `tree`, `frame` and what `own` needs live as long as this. `bytes`: of what is kept.
+    /// `tree`, `frame` and what `own` needs live as long as this.
     GatheredPoints(const AdditiveTree& tree, const CopcHierarchy& hierarchy, const AdditiveFrame& frame,
-                   std::uint64_t bytes, OwnPoints own);
+                   std::shared_ptr<GatheredMemory> memory, OwnPoints own);
+    ~GatheredPoints();
+    GatheredPoints(const GatheredPoints&) = delete;
+    GatheredPoints& operator=(const GatheredPoints&) = delete;
 
     /// Errors: those of the own points of the node, or of one above; ResourceLimit, where more lie in one voxel than any has.
     Expected<RawPoints> of(std::uint32_t node);
@@ -34,11 +59,13 @@ class GatheredPoints {
     };
     Expected<RawPoints> gather(std::uint32_t node);
     void keep(std::uint32_t node, RawPoints points);
+    void take(std::uint64_t bytes);
+    void giveBack(std::uint64_t bytes);
 
     const AdditiveTree& tree_;
     const CopcHierarchy& hierarchy_;
     const AdditiveFrame& frame_;
-    const std::uint64_t limit_;
+    const std::shared_ptr<GatheredMemory> memory_;
     const OwnPoints own_;
     mutable Monitor monitor_;  // guards what follows
     std::unordered_map<std::uint32_t, Kept> kept_;

@@ -24,17 +24,17 @@ std::unique_ptr<CatalogPlace> catalogPlace(const fs::path& place, std::shared_pt
 
 std::vector<fs::path> CatalogChoice::choose(std::vector<CatalogCandidate> candidates, std::size_t most) {
     std::vector<fs::path> files;
-    std::vector<std::string> namesakes;
+    std::set<std::string> namesakes;
     std::set<std::string> ids;
     std::size_t beyond = 0;
     for (CatalogCandidate& one : candidates) {
         const std::string id = cloudIdFor(fs::path(one.name).stem().string());
         if (ids.contains(id)) {
-            if (std::ranges::find(namesakes_, one.shown) == namesakes_.end() && onNote_)
+            if (!namesakes_.contains(one.shown) && onNote_)
                 onNote_(
                     fmt::format("{} is not served: another file's cloud has the id {} already; rename one.",
                                 one.shown, id));
-            namesakes.push_back(std::move(one.shown));
+            namesakes.insert(std::move(one.shown));
             continue;
         }
         ids.insert(id);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -50,7 +51,7 @@ class CatalogChoice {
     std::string place_;
     std::function<void(const std::string&)> onNote_;
     bool isFull_ = false;
-    std::vector<std::string> namesakes_;  ///< that were left out, and told
+    std::set<std::string> namesakes_;  ///< that were left out, and told
 };
 
 }  // namespace scancast

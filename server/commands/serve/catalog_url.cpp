@@ -10,6 +10,12 @@ namespace scancast {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr std::size_t mostTold = 100;  // of one look
+
+}  // namespace
+
 CatalogUrl::CatalogUrl(RemoteListing listing, std::shared_ptr<RemoteFiles> remote,
                        std::function<void(const std::string&)> onNote)
     : listing_(std::move(listing)),
@@ -34,9 +40,15 @@ void CatalogUrl::take(Listed listed) {
         const auto known = before.find(cloud.url);
         return known != before.end() && known->second != cloud.state;
     });
-    for (const std::string& one : listed.leftOut)
-        if (std::ranges::find(leftOut_, one) == leftOut_.end()) note("Not served: " + one);
-    leftOut_ = std::move(listed.leftOut);
+    std::set<std::string> leftOut;
+    std::size_t told = 0;
+    for (std::string& one : listed.leftOut) {
+        if (!leftOut_.contains(one) && !leftOut.contains(one) && ++told <= mostTold)
+            note("Not served: " + one);
+        leftOut.insert(std::move(one));
+    }
+    if (told > mostTold) note(fmt::format("Not served: {} more.", told - mostTold));
+    leftOut_ = std::move(leftOut);
     clouds_ = std::move(listed.clouds);
 }
 

@@ -7,6 +7,8 @@
 // Owned by the lookout (catalog_lookout.hpp), and used on its thread.
 #pragma once
 
+#include <set>
+
 #include "remote/remote_listing.hpp"
 #include "server/commands/serve/catalog_place.hpp"
 
@@ -32,7 +34,7 @@ class CatalogUrl final : public CatalogPlace {
     const std::function<void(const std::string&)> onNote_;
     CatalogChoice choice_;
     std::vector<ListedCloud> clouds_;
-    std::vector<std::string> leftOut_;
+    std::set<std::string> leftOut_;
     bool isUnreadable_ = false, isAnew_ = false;
     std::vector<std::filesystem::path> files_;
 };

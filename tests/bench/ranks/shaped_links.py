@@ -8,7 +8,7 @@ mpirun starts them there, and they have nothing but TCP between them. Needs root
 one is missing that is said, and nothing is measured. Nothing of it is left afterwards, nor does it touch the machine's own network.
 
 For each method and rate it prints a picture's median with the link as wide as this machine makes it (no shaping), the same with the link that narrow,
-and how much longer that took beside what the model (model.py) says it must: bytes over rate. Only what the narrow link adds is compared, since
+and how much longer that took beside what it must: what rank 0 sends or gets, whichever is more, over the rate, as the model (model.py) reckons. Only what the narrow link adds is compared, since
 ranks on one machine share its cores, and copying by TCP costs them more than a network card would.
 """
 import argparse

@@ -188,6 +188,9 @@ Expected<int> compareAll(const Communicator& ranks, const Communicator& opening,
         view.style.light.shadow = 0.8;
         view.style.light.occlusion = 0.5;
         comparison.compare(view, "lit");
+        view.style.mirrors = false;  // only then each rank finishes rows of its own
+        view.quality.samples = 4;
+        comparison.compare(view, "lit, without a mirror, 4 samples");
         if (method.name != "paraboloid") continue;
         view = first;
         view.style.method = method.name;
@@ -204,9 +207,15 @@ Expected<int> compareAll(const Communicator& ranks, const Communicator& opening,
     poster.height = 60;
     poster.quality.samples = 1;
     if (two) comparison.compare(poster, "in tiles");
-    int faults = abandoned(**together, **shared, first);
-    comparison.compare(first, "after those that were abandoned");
-    if (ranks.size() > 1) faults += withinPauses(comparison, **together, **shared, **alone, **whole, first);
+    int faults = 0;
+    for (const bool mirrors : {true, false}) {
+        View view = first;
+        view.style.mirrors = mirrors;
+        faults += abandoned(**together, **shared, view);
+        comparison.compare(view, "after those that were abandoned");
+        if (ranks.size() > 1)
+            faults += withinPauses(comparison, **together, **shared, **alone, **whole, view);
+    }
     const auto others = whereOthersHaveAnother(ranks, clouds, **together, **alone, **whole, path, traffic);
     if (!others) return others;
     faults += *others + everythingTravels();

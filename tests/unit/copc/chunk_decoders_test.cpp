@@ -53,13 +53,15 @@ RealChunks realChunks() {
 /// A program that is none, where decoders are looked for.
 class FakeDecoder : public ::testing::Test {
   protected:
+    FakeDecoder() { ::signal(SIGPIPE, SIG_IGN); }  // as programs do
+
     Error errorOf(const std::string& script) {
         const auto path = folder_.write("scancast-import-laz", "#!/bin/sh\n" + script + "\n");
         ::chmod(path.c_str(), 0755);
         ImportOptions options{.importerDirectory = path.parent_path(), .importerSilenceSeconds = 1};
         options.importerSandbox = ImporterSandbox::Off;
         const auto decoders = ChunkDecoders::create(options, 1);
-        const auto records = decoders->decode({7, 36, {}}, 2, std::vector<std::byte>(50));
+        const auto records = decoders->decode({7, 36, {}, 1}, 2, std::vector<std::byte>(50));
         EXPECT_FALSE(records);
         return records ? Error() : records.error();
     }
@@ -94,7 +96,7 @@ TEST(ChunkProgram, DecodesManyAtOnceAndGoesOnAfterADamagedOne) {
 
 TEST(ChunkProgram, IsNotAskedForMoreThanItMayAnswer) {
     const auto decoders = ChunkDecoders::create(realProgram(), 1);
-    const auto records = decoders->decode({7, 36, {}}, std::uint64_t(1) << 40, {});
+    const auto records = decoders->decode({7, 36, {}, 1}, std::uint64_t(1) << 40, {});
     ASSERT_FALSE(records);
     EXPECT_EQ(records.error().code, ErrorCode::ResourceLimit);
 }

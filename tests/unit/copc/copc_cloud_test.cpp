@@ -8,6 +8,7 @@
 #include "renderer/cloud/copc/upper_levels.hpp"
 #include "renderer/cloud/import/las/las_decode.hpp"
 #include "renderer/residency/open_cloud.hpp"
+#include "renderer/residency/provide.hpp"
 #include "tests/support/sized.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/copc/copc_bytes.hpp"
@@ -27,7 +28,7 @@ File openBytes(std::span<const std::byte> bytes, std::uint64_t memory = 64 << 20
                      .identity = {},
                      .surfels = surfels,
                      .upperPoints = 2000,
-                     .memory = memory});
+                     .memory = std::make_shared<GatheredMemory>(memory)});
 }
 
 std::vector<PointValue> sorted(std::vector<PointValue> values) {
@@ -172,6 +173,45 @@ TEST_F(CopcCloud, BlocksCountWhatIsReallyInThem) {
     EXPECT_EQ(cache->stats().bytes, 0U);
 }
 
+TEST_F(CopcCloud, BoundsThatCannotBeMeantAreNotBelieved) {
+    for (const double lie : {std::nan(""), 1e300, -1e300, 0.0}) {
+        Bytes bytes = made().file;
+        for (std::size_t at = 179; at < 227; at += 8) storeLe(bytes.data() + at, lie);
+        const auto file = openBytes(bytes);
+        ASSERT_TRUE(file) << lie << file.error().message;
+        EXPECT_EQ((*file)->facts().bounds[0], glm::dvec3(1000, 2000, 0));
+        EXPECT_EQ((*file)->facts().bounds[1], glm::dvec3(1064, 2064, 64));
+        EXPECT_TRUE((*file)->samples(std::uint32_t((*file)->nodes().size() - 1)));
+    }
+}
+
+/// Of a node with more samples than it was said to have, and those that follow.
+TEST_F(CopcCloud, RunsHaveOrdinalsOfTheirOwnHoweverManySamplesCame) {
+    BlockCacheOptions options;
+    options.memoryLimit = 256 << 20;
+    const auto file = openBytes(made().file);
+    ASSERT_TRUE(file);
+    const auto cloud = openCloud(*file, BlockCache::create(options));
+    ASSERT_TRUE(cloud);
+    Cut wanted;
+    for (std::uint32_t i = 0; i < (*cloud)->octree.nodes().size(); ++i)
+        if (const Node& node = (*cloud)->octree.node(i); node.isLeaf())
+            wanted.runs.push_back({.node = &node, .nodeIndex = i, .samples = {}});
+    number(wanted);
+    const auto cut = provide((*cloud)->octree, std::move(wanted));
+    ASSERT_TRUE(cut) << cut.error().message;
+    std::uint64_t end = 0;
+    std::size_t more = 0, all = 0;
+    for (const CutRun& run : cut->runs) {
+        EXPECT_GE(run.firstOrdinal, end);
+        end = run.firstOrdinal + run.samples.size();
+        more += run.samples.size() > run.node->sampleCount;
+        all += run.samples.size();
+    }
+    EXPECT_GT(more, 0U);
+    EXPECT_EQ(all, made().points.size());
+}
+
 TEST_F(CopcCloud, ADamagedChunkCostsWhatLiesBelowIt) {
     Bytes bytes = made().file;
     // The last entry: a leaf of the deepest level, which says that it has fewer bytes than points.
@@ -267,6 +307,12 @@ INSTANTIATE_TEST_SUITE_P(
                 [](Bytes& bytes, const CopcBytes& made) {
                     std::memcpy(bytes.data() + made.pageAt + copcEntryBytes,
                                 bytes.data() + made.pageAt + 2 * copcEntryBytes, 16);
+                },
+                ErrorCode::Malformed},
+        Hostile{"the same points twice",
+                [](Bytes& bytes, const CopcBytes& made) {
+                    std::memcpy(bytes.data() + made.pageAt + copcEntryBytes + 16,
+                                bytes.data() + made.pageAt + 2 * copcEntryBytes + 16, 16);
                 },
                 ErrorCode::Malformed},
         Hostile{"a cube of NaN", byteAt(453, std::nan("")), ErrorCode::Malformed},

@@ -101,7 +101,8 @@ TEST(CloudListTest, aNameALineOrJson) {
     EXPECT_THAT(*parseCloudList(R"({"clouds": ["a.scan"], "more": 1})"), ElementsAre("a.scan"));
     EXPECT_THAT(*parseCloudList("# none\n"), IsEmpty());
     EXPECT_THAT(*parseCloudList("[]"), IsEmpty());
-    for (const std::string none : {"", " \n", "<html></html>", "[1]", "{}", "[", R"({"clouds": "a"})"})
+    for (const std::string none : {"", " \n", "<html></html>", "[1]", "{}", "[",
+                                   "Service unavailable\nSee http://x.org/ later\n", R"({"clouds": "a"})"})
         EXPECT_FALSE(parseCloudList(none)) << none;
     EXPECT_FALSE(parseCloudList(std::string("a\0b", 3)));
 }

@@ -277,6 +277,35 @@ TEST(RemoteFileTest, givesUpServersThatSayNothingOrNeverEnd) {
     }
 }
 
+// Three times as long would be minutes on a slow line, in which nobody is told.
+TEST(RemoteFileTest, doesNotAskAgainForAsMuchOfAServerThatIsSlow) {
+    RangeServer server(noise(1 << 20));
+    RemoteOptions options = quick();
+    options.tries = 3;
+    options.firstProbe = options.lastProbe = std::chrono::hours(1);
+    options.transfers.limits.grace = milliseconds(200);
+    options.transfers.limits.slowest = 1 << 30;
+    RemoteFiles files(options);
+    const auto file = *files.open(urlOf(server));
+    server.script([](int) { return Does::Drips; });
+    const int before = server.requests();
+    EXPECT_EQ(errorOfReading(*file, 500'000).code, ErrorCode::Unavailable);
+    EXPECT_EQ(server.requests(), before + 1);
+    EXPECT_TRUE(file->isAway());
+}
+
+TEST(RemoteFileTest, goesOnWithAUrlThatIsSignedAnew) {
+    const std::string content = noise(1 << 20);
+    RangeServer server(content);
+    RemoteFiles files(quick());
+    const auto file = *files.open(urlOf(server, "/cloud.scan?X-Amz-Signature=first"));
+    files.signAnew(urlOf(server, "/other.scan?X-Amz-Signature=other"));
+    files.signAnew(urlOf(server, "/cloud.scan?X-Amz-Signature=second"));
+    EXPECT_EQ(read(*file, 500'000, 100), content.substr(500'000, 100));
+    EXPECT_NE(server.lastHead().find("/cloud.scan?X-Amz-Signature=second"), std::string::npos)
+        << server.lastHead();
+}
+
 TEST(RemoteFileTest, endsItsWaitForAServerThatSaysNothing) {
     RangeServer server(noise(1 << 20));
     RemoteOptions options = quick();

@@ -22,6 +22,8 @@ TEST(RemoteUrlTest, whatIsShownHasNoQuery) {
               RemoteUrl::parse("https://a/b?id=2")->identity());
     EXPECT_EQ(shownArgument("https://user:pass@host/x.scan?key=secret#y"), "https://host/x.scan");
     EXPECT_EQ(shownArgument("what?.las"), "what?.las");
+    EXPECT_EQ(shownArgument("ftp://user:p/a?s@s@host/x?key=secret"), "ftp://host/x");
+    EXPECT_EQ(shownArgument("ftp://host/x?key=secret"), "ftp://host/x");
 }
 
 TEST(RemoteUrlTest, refusesWithoutTellingSecrets) {

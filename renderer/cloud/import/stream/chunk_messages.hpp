@@ -22,7 +22,7 @@ namespace scancast::chunk_messages {
 
 /// Of one chunk, compressed and decoded; nothing that is larger is asked for or answered.
 inline constexpr std::uint64_t mostChunkBytes = 256 << 20;
-inline constexpr std::uint64_t mostRecordBytes = 256 << 20;
+inline constexpr std::uint64_t mostRecordBytes = 128 << 20;
 inline constexpr std::uint32_t longestLaszip = 65536;
 inline constexpr std::uint64_t longestReason = 1024;
 

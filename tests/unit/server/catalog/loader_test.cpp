@@ -234,6 +234,21 @@ TEST_F(LoaderTest, OtherFilesAreServedFromNowOn) {
     EXPECT_EQ(done.added + done.removed + done.tried, 0U);
 }
 
+TEST_F(LoaderTest, AUrlThatIsSignedAnewIsTheSameFile) {
+    LoaderOptions away = options();
+    away.remote = std::make_shared<RemoteFiles>(RemoteOptions{});
+    const std::string url = "http://127.0.0.1:1/town.scan?X-Amz-Signature=";  // where nobody listens
+    Loader loader({url + "1"}, catalog_, away);
+    Loader::Changes done = loader.serve({url + "2"}, Loader::Again::Leave);
+    EXPECT_EQ(done.added + done.removed + done.tried, 0U);
+    EXPECT_TRUE(catalog_.find("town"));
+    done = loader.serve({"http://127.0.0.1:1/other.scan?X-Amz-Signature=2"}, Loader::Again::Leave);
+    EXPECT_EQ(done.added, 1U);
+    EXPECT_EQ(done.removed, 1U);
+    loader.requestStop();
+    away.remote->stop();
+}
+
 TEST_F(LoaderTest, WhatOthersRemovedOrCouldNotBeReadMayBeLeftAsItIs) {
     const fs::path ground = folder_ / "ground.xyz", late = folder_ / "late.xyz", more = folder_ / "more.xyz";
     fs::create_directory(folder_ / "other");

@@ -17,6 +17,7 @@
 #include "ranks/mpi/session.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/base/log.hpp"
+#include "server/commands/serve_options.hpp"
 #include "server/server.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -57,6 +58,10 @@ Expected<void> drawForFront(const RanksDrawArguments& arguments) {
                                                ? Expected<std::uint64_t>(memoryOfRank(**mpi))
                                                : parseByteSize(arguments.memoryLimit, "ranks-memory"));
     if (!limit) return ranks.isFirst() ? passOn(limit) : Expected<void>();
+    ServeOptions like;  // as in a server, pictures that are drawn have their part
+    like.memoryLimit = std::to_string(*limit);
+    const auto shares = memoryShares(like);  // the same on all ranks
+    if (!shares) return ranks.isFirst() ? passOn(shares) : Expected<void>();
     if (auto sound = ranks.agree(checkDrawingRank(arguments, threads)); !sound)
         return ranks.isFirst() ? sound : Expected<void>();
     std::unique_ptr<JobSocket> front;
@@ -69,7 +74,7 @@ Expected<void> drawForFront(const RanksDrawArguments& arguments) {
             reached = passOn(socket);
     }
     if (auto all = ranks.agree(reached); !all) return ranks.isFirst() ? all : Expected<void>();
-    OpenedClouds clouds(shareCache(*limit, threads),
+    OpenedClouds clouds(shareCache(shares->clouds, threads),
                         {std::uint32_t(ranks.rank()), std::uint32_t(ranks.size())}, opening);
     if (!ranks.isFirst()) {
         const Heartbeat heartbeat(beating, [] {});

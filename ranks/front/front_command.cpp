@@ -127,9 +127,16 @@ int serveBeforeRanks(const FrontFlags& flags, ServeOptions& options, const Serve
                             {}});
     auto start = wordsOfLine(flags.start);
     if (!start) return frontFailed({start.error().code, "--start: " + start.error().message, {}});
-    if (!flags.ranksMemory.empty())
-        if (const auto size = parseByteSize(flags.ranksMemory, "ranks-memory"); !size)
-            return frontFailed(size.error());
+    if (!flags.ranksMemory.empty()) {
+        const auto size = parseByteSize(flags.ranksMemory, "ranks-memory");
+        if (!size) return frontFailed(size.error());
+        ServeOptions rank;
+        rank.memoryLimit = flags.ranksMemory;
+        if (!memoryShares(rank))
+            return frontFailed({ErrorCode::InvalidArgument,
+                                "--ranks-memory: 64M is the least that a picture can be drawn with.",
+                                "ranks-memory"});
+    }
     if (options.memoryLimit.empty()) options.memoryLimit = std::to_string(machineMemory() / frontsPart);
     JobKeeper keeper(std::move(*start), drawWords(flags, options));
     std::shared_ptr<FrontClouds> clouds;

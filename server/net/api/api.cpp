@@ -50,12 +50,16 @@ HttpResponse pictureResponse(PictureFormat format, const PlannedView& planned, c
     return response;
 }
 
-/// A picture that lacks blocks is no picture of its view: nobody shall keep it as one, or ask by a tag whether it is
-/// still the same.
-void sayDamaged(HttpResponse& response, std::uint32_t blocks) {
+/// Nobody shall keep it as the picture of its view, or ask by a tag whether it is still the same.
+void forbidKeeping(HttpResponse& response) {
     std::erase_if(response.headers, [](const auto& header) { return header.first == "ETag"; });
     for (auto& [name, value] : response.headers)
         if (name == "Cache-Control") value = "no-store";
+}
+
+/// A picture that lacks blocks is no picture of its view.
+void sayDamaged(HttpResponse& response, std::uint32_t blocks) {
+    forbidKeeping(response);
     response.set("Scancast-Damaged", std::to_string(blocks));
 }
 
@@ -329,11 +333,13 @@ struct Api::Answers {
         order.planned = *planned;
         order.price = *price;
         order.client = request.client;
-        PictureDone done = [respond, headBy, path = routed.path,
-                            price = *price](const Expected<EncodedPicture>& picture) {
+        PictureDone done = [respond, headBy, path = routed.path, price = *price, drawn = order.cloud,
+                            most = mostSamples(*order.cloud)](const Expected<EncodedPicture>& picture) {
             if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
             // Not by the device that was there when it was asked for: that one may have been lost since.
             HttpResponse response = headBy(picture->device);
+            // Ranks that came or went meanwhile: it may be of either limit.
+            if (mostSamples(*drawn) != most) forbidKeeping(response);
             if (picture->stats.nodesDamaged > 0) sayDamaged(response, picture->stats.nodesDamaged);
             response.set("Server-Timing", serverTiming(*picture));
             response.set("Scancast-Price", fmt::format("{:.0f}", price));

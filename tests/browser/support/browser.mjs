@@ -36,13 +36,23 @@ export async function openPage(browser, url, options = {}) {
   return page;
 }
 
-/** Waits until the picture of the newest request is there in full quality. */
+/**
+ * Waits until the picture of the newest request is there in full quality. What was done a moment ago is asked for with the page's next
+ * display frame; until then the picture before it is the newest.
+ */
 export async function waitUntilSharp(page, timeout = 20_000) {
-  await page.waitForFunction(() => {
+  waits += 1;
+  await page.waitForFunction((wait) => {
     const { asked, shown } = document.getElementById('picture').dataset;
-    return document.getElementById('hud').dataset.state === 'sharp' && asked !== undefined && asked === shown;
-  }, undefined, { timeout, polling: 50 });
+    if (globalThis.waitsAs !== wait) {
+      globalThis.waitsAs = wait;
+      globalThis.hasAsked = false;
+      requestAnimationFrame(() => requestAnimationFrame(() => { globalThis.hasAsked = true; }));
+    }
+    return globalThis.hasAsked && document.getElementById('hud').dataset.state === 'sharp' && asked !== undefined && asked === shown;
+  }, waits, { timeout, polling: 50 });
 }
+let waits = 0;
 
 /** Waits until something holds that is seen from here, such as what a server has received; the page sends with its next display frame. */
 export async function isTrue(condition, what) {

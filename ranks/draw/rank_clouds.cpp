@@ -197,4 +197,16 @@ Expected<void> OpenedClouds::provide(UnpackedDrawing& drawing) {
     return {};
 }
 
+Expected<std::unique_ptr<UnpackedDrawing>> OpenedClouds::unpack(std::span<const std::byte> bytes) {
+    try {
+        auto drawing = unpackDrawing(bytes);
+        if (!drawing) return drawing;
+        if (auto provided = provide(**drawing); !provided) return passOn(provided);
+        return drawing;
+    } catch (const std::exception& e) {
+        return fail(ErrorCode::ResourceLimit, fmt::format("Rank {} cannot draw its share of this picture: {}",
+                                                          opening_.rank(), e.what()));
+    }
+}
+
 }  // namespace scancast

@@ -83,6 +83,9 @@ class OpenedClouds {
     /// The share's samples of all cuts, in memory as long as the drawing lives. Waits for them. Errors: InvalidArgument where
     /// the cloud is none that was opened; the block's, where one is damaged.
     Expected<void> provide(UnpackedDrawing& drawing);
+    /// A drawing of these bytes, provided; what is thrown on the way is this rank's error. Errors: unpackDrawing()'s, provide()'s,
+    /// ResourceLimit.
+    Expected<std::unique_ptr<UnpackedDrawing>> unpack(std::span<const std::byte> bytes);
 
   private:
     Expected<std::shared_ptr<const Cloud>> find(const CloudPlace& place);

@@ -96,25 +96,13 @@ Expected<void> drawWithFirst(const Communicator& ranks, OpenedClouds& clouds, in
     std::jthread opener([&clouds] { clouds.openWithFirst(); });
     RankTraffic traffic;
     std::unique_ptr<Device> device;
-    // What it throws before all have agreed is an answer; afterwards the others wait for this rank.
-    const auto unpacked = [&](const RankBytes& message) -> Expected<std::unique_ptr<UnpackedDrawing>> {
-        try {
-            auto drawing = unpackDrawing(message);
-            if (!drawing) return drawing;
-            if (auto provided = clouds.provide(**drawing); !provided) return passOn(provided);
-            return drawing;
-        } catch (const std::exception& e) {
-            return fail(
-                ErrorCode::ResourceLimit,
-                fmt::format("Rank {} cannot draw its share of this picture: {}", ranks.rank(), e.what()));
-        }
-    };
     std::function<Expected<void>()> drawUntilNothing = [&]() -> Expected<void> {
         for (;;) try {
                 RankBytes message;
                 if (auto ok = ranks.broadcast(message); !ok) return ok;
                 if (message.empty()) return {};
-                const auto drawing = ranks.agree(unpacked(message));
+                // What is thrown before all have agreed is an answer; afterwards the others wait for this rank.
+                const auto drawing = ranks.agree(clouds.unpack(message));
                 if (!drawing) continue;                               // rank 0 says so
                 std::ignore = device->draw((*drawing)->drawing, {});  // what all refuse, rank 0 says
             } catch (const std::exception& e) {

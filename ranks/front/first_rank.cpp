@@ -129,21 +129,10 @@ void FirstRank::draw(Asked& asked) {
 }
 
 Expected<Frame> FirstRank::drawTogether(const JobDrawing& asked, const std::stop_token& stop) {
-    const auto unpacked = [&]() -> Expected<std::unique_ptr<UnpackedDrawing>> {
-        try {
-            auto drawing = unpackDrawing(asked.drawing);
-            if (!drawing) return drawing;
-            if (auto provided = clouds_.provide(**drawing); !provided) return passOn(provided);
-            return drawing;
-        } catch (const std::exception& e) {
-            return fail(ErrorCode::ResourceLimit,
-                        fmt::format("Rank 0 cannot draw its share of this picture: {}", e.what()));
-        }
-    };
     try {
         RankBytes message(asked.drawing.begin(), asked.drawing.end());
         if (auto ok = ranks_.broadcast(message); !ok) giveUpJob(ok.error().message);
-        const auto drawing = ranks_.agree(unpacked());
+        const auto drawing = ranks_.agree(clouds_.unpack(asked.drawing));
         if (!drawing) return passOn(drawing);
         (*drawing)->drawing.pause = asked.pauses ? &pause_ : nullptr;
         return device_->draw((*drawing)->drawing, stop);

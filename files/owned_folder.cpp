@@ -34,15 +34,16 @@ bool isOurs(int fd) {
 }  // namespace
 
 Expected<OwnedFolder> OwnedFolder::make(const fs::path& parent) {
-    constexpr int attempts = 16;
+    constexpr int attempts = 64;
     for (int i = 0; i < attempts; ++i) {
         std::string name = (parent / (std::string(prefix) + "XXXXXX")).string();
         if (::mkdtemp(name.data()) == nullptr) break;
         OwnedFolder folder(name, openFolder(name));
+        if (!folder.lock_ && errno == ENOENT) continue;  // a sweep has been faster
         if (!folder.lock_) break;
-        // A sweep may have been faster; where there are no locks, nothing is swept.
-        (void)lockNow(folder.lock_.get());
-        if (isStillNamed(folder.lock_.get(), folder.path_)) return folder;
+        // Whom a sweep has locked it will remove, if it has not yet. Where there are no locks, nothing is swept.
+        if (lockNow(folder.lock_.get()) != EWOULDBLOCK && isStillNamed(folder.lock_.get(), folder.path_))
+            return folder;
     }
     const int error = errno;
     return fail(isFull(error) ? ErrorCode::ResourceLimit : ErrorCode::Io,

@@ -57,7 +57,7 @@ test('pictures, depths and picks are one process\'', { skip }, async () => {
   await assertSame('snapshot', posted({ width: 160, height: 90, method: 'ewa' }, 'application/octet-stream'));
   await assertSame('pick', posted({ view: { width: 160, height: 90 }, x: 80, y: 60 }));
   assert.equal(await front.metric('scancast_ranks_up'), 1);
-  assert.equal(await front.metric('scancast_ranks_restarts_total'), 0);
+  assert.equal(await front.metric('scancast_ranks_restarts_total'), 0, front.log());
 });
 
 for (const [who, victim] of [['a rank', (front) => front.ranks()[1]], ['the first rank', (front) => front.ranks()[0]], ['mpirun', (front) => front.mpirun()]])

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <filesystem>
+#include <thread>
+
 #include "files/output_file.hpp"
 #include "files/owned_folder.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -67,6 +70,19 @@ TEST(OwnedFolder, IsSweptWhenNobodyHasIt) {
     }
     EXPECT_EQ(folder.entries(), 1U);
     EXPECT_FALSE(OwnedFolder::make(folder / "none"));
+}
+
+TEST(OwnedFolder, IsNotSweptWhileItIsMade) {
+    const test::TemporaryFolder folder;
+    std::jthread sweeper([&](const std::stop_token& stop) {
+        while (!stop.stop_requested()) sweepOwnedFolders(folder);
+    });
+    for (int i = 0; i < 2000; ++i) {
+        const auto mine = OwnedFolder::make(folder);
+        ASSERT_TRUE(mine) << mine.error().message;
+        std::this_thread::yield();
+        ASSERT_TRUE(std::filesystem::exists(mine->path())) << "made " << i;
+    }
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The cloud file (CLOUD_FILE.md): an octree on disk. Opens by its index alone, in milliseconds at any size;
 // blocks are read one by one, checked before they are decoded. Nothing is memory-mapped: a truncated file is
-// an error, not a signal. Version 1 files are read, too; who reads them sees no difference.
+// an error, not a signal. Files of versions 1 and 2 are read, too; who reads them sees no difference.
 // Pipeline: ingest → **cloud file** → residency.
 //
 // *Thread safety*: a CloudFile may be read from any number of threads.

@@ -1,5 +1,5 @@
 // Both indices of a cloud file as they are stored since version 3, and back: exact for any records, and a quarter as
-// large (CLOUD_FILE.md, "Packed"). Who opens a cloud far away waits for all of its index before the first picture.
+// large (CLOUD_FILE.md, "Packed indices"). Who opens a cloud far away waits for all of its index before the first picture.
 // Pipeline: nodes, places → records → **residuals → packed index** → cloud file, and back.
 //
 // A residual is a record XOR what is expected of it, by those before it and by its own fields; most of its bytes are 0

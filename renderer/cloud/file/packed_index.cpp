@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "files/bytes.hpp"
 #include "renderer/cloud/file/blocks/byte_planes.hpp"
@@ -20,20 +21,56 @@ std::uint64_t bitsOf(double value) {
     return std::bit_cast<std::uint64_t>(value);
 }
 
-/// Records that are taken apart at once, so that what is read and written stays in the nearest cache.
+/// So many bytes of so many records change places at once; whatever is beside a checksum is a multiple of it.
+constexpr std::size_t side = 8;
+/// Records whose bytes stay in the nearest cache while plane after plane is gone through.
 constexpr std::size_t tileRecords = 64;
+static_assert(packedNodes.checksumOffset % side == 0 && nodeRecordBytes % side == 0);
+static_assert(packedPlaces.checksumOffset % side == 0 && planeRecordBytes % side == 0);
+static_assert(leastPackedBytes == side && tileRecords % side == 0);
 
-/// Calls `move` with each byte of a record but its checksum's: its place in the byte planes and in the records.
-template <class Move>
-void eachByte(std::size_t count, const PackedLayout& layout, Move move) {
-    const std::size_t planes = layout.recordBytes - leastPackedBytes;
-    for (std::size_t first = 0; first < count; first += tileRecords) {
-        const std::size_t end = std::min(count, first + tileRecords);
-        for (std::size_t plane = 0; plane < planes; ++plane) {
-            const std::size_t at = plane < layout.checksumOffset ? plane : plane + leastPackedBytes;
-            for (std::size_t i = first; i < end; ++i) move(plane * count + i, i * layout.recordBytes + at);
+/// Rows become columns, of a square of bytes.
+void transpose(std::array<std::uint64_t, side>& rows) {
+    const auto exchange = [&](std::size_t distance, std::uint64_t mask) {
+        for (std::size_t i = 0; i < side; ++i) {
+            if (i & distance) continue;
+            std::uint64_t &a = rows[i], &b = rows[i + distance];
+            const std::uint64_t t = ((a >> (8 * distance)) ^ b) & mask;
+            b ^= t;
+            a ^= t << (8 * distance);
         }
-    }
+    };
+    exchange(4, 0x00000000ffffffff);
+    exchange(2, 0x0000ffff0000ffff);
+    exchange(1, 0x00ff00ff00ff00ff);
+}
+
+/// Rows of bytes to where they are columns: as many bytes as there are columns, up to `side` of each.
+inline void turnRows(const std::byte* from, std::size_t fromStride, std::size_t rows, std::byte* to,
+                     std::size_t toStride, std::size_t columns) {
+    std::array<std::uint64_t, side> square{};
+    for (std::size_t k = 0; k < rows; ++k) std::memcpy(&square[k], from + k * fromStride, columns);
+    transpose(square);
+    for (std::size_t k = 0; k < columns; ++k) std::memcpy(to + k * toStride, &square[k], rows);
+}
+
+/// The same, fast where the square is full.
+void turnSquare(const std::byte* from, std::size_t fromStride, std::size_t rows, std::byte* to,
+                std::size_t toStride, std::size_t columns) {
+    if (rows == side && columns == side) return turnRows(from, fromStride, side, to, toStride, side);
+    turnRows(from, fromStride, rows, to, toStride, columns);
+}
+
+/// Calls `square` with all squares of a chunk: where in the byte planes, where in the records, and how many records it has.
+template <class Square>
+void eachSquare(std::size_t count, const PackedLayout& layout, Square square) {
+    for (std::size_t tile = 0; tile < count; tile += tileRecords)
+        for (std::size_t plane = 0; plane < layout.recordBytes - leastPackedBytes; plane += side) {
+            const std::size_t at = plane < layout.checksumOffset ? plane : plane + leastPackedBytes;
+            const std::size_t end = std::min(count, tile + tileRecords);
+            for (std::size_t i = tile; i < end; i += side)
+                square(plane * count + i, i * layout.recordBytes + at, std::min(side, end - i));
+        }
 }
 
 }  // namespace
@@ -133,8 +170,9 @@ std::vector<std::byte> packRecords(std::span<const std::byte> records, const Pac
             packed.insert(packed.end(), checksum.begin(), checksum.end());
         }
         planes.resize(n * (layout.recordBytes - leastPackedBytes));
-        eachByte(n, layout,
-                 [&](std::size_t inPlanes, std::size_t inRecords) { planes[inPlanes] = chunk[inRecords]; });
+        eachSquare(n, layout, [&](std::size_t inPlanes, std::size_t inRecords, std::size_t rows) {
+            turnSquare(&chunk[inRecords], layout.recordBytes, rows, &planes[inPlanes], n, side);
+        });
         packPlanes(planes, n, packed);
     }
     return packed;
@@ -154,8 +192,9 @@ Expected<std::span<std::byte>> RecordUnpacker::next(std::span<const std::byte>& 
     for (std::size_t i = 0; i < n; ++i)
         std::copy_n(&kept[i * leastPackedBytes], leastPackedBytes,
                     &records_[i * layout_.recordBytes + layout_.checksumOffset]);
-    eachByte(n, layout_,
-             [&](std::size_t inPlanes, std::size_t inRecords) { records_[inRecords] = planes_[inPlanes]; });
+    eachSquare(n, layout_, [&](std::size_t inPlanes, std::size_t inRecords, std::size_t rows) {
+        turnSquare(&planes_[inPlanes], n, side, &records_[inRecords], layout_.recordBytes, rows);
+    });
     left_ -= n;
     return std::span(records_);
 }

@@ -19,6 +19,9 @@ namespace {
 /// How far ahead of what is read a reader is told; it keeps what it is told of.
 constexpr std::uint64_t mostExpected = 8 << 20;
 
+/// What a packed index of so many bytes may take in memory is said in CLOUD_FILE.md.
+static_assert(sizeof(StoredNode) <= 30 * leastPackedBytes && sizeof(BlockPlace) <= 30 * leastPackedBytes);
+
 /// What a file says of itself, read part by part. Errors without the file's name.
 class Opening {
   public:

@@ -1,5 +1,5 @@
-// Least squares that outliers do not bend: a start by least median of squares (P. J. Rousseeuw, "Least Median of Squares Regression",
-// 1984), then Levenberg and Marquardt's steps with Tukey's biweight, whose scale the residuals tell. Deterministic. Pure functions.
+// Least squares that outliers do not bend: a start by the least median of squares, then Levenberg and Marquardt's steps with Tukey's
+// biweight, whose scale the residuals tell. Deterministic. Pure functions.
 #pragma once
 
 #include <algorithm>

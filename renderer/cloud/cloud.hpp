@@ -156,13 +156,8 @@ std::vector<std::string> remarksOn(const CloudFacts& facts);
 /// Changes whenever a picture of the cloud could, with its look: that decides what views leave open.
 std::string pictureRevision(const CloudFacts& facts);
 
-class CloudFile;
-
 struct Cloud : CloudFacts {
     Octree octree;
-    /// What the octree's samples come from, which knows more of the points than they do (file/cloud_file.hpp); null: the cloud
-    /// was built in memory, and samples are all that there is.
-    std::shared_ptr<const CloudFile> file{};
 
     /// Looks at the whole cloud from the south-east, 30° down. Z is up, but for models that plainly stand on
     /// y = 0.

@@ -40,10 +40,21 @@ std::vector<std::uint32_t> leavesNear(const Cloud& cloud, const MeasuredBox& box
     return leaves;
 }
 
+std::shared_ptr<const CloudFile> fileUnder(const Cloud& cloud) {
+    return cloud.octree.nodes().empty() ? nullptr : cloud.octree.store().cloudFile();
+}
+
 class LeafReader {
   public:
     LeafReader(const Cloud& cloud, const SampleFilter& filter, const MeasuredBox& box, const UsePoints& use)
-        : cloud_(cloud), filter_(filter), box_(box), use_(use), exact_(cloud, cloud.file.get()) {}
+        : cloud_(cloud),
+          filter_(filter),
+          box_(box),
+          use_(use),
+          file_(fileUnder(cloud)),
+          exact_(cloud, file_.get()) {}
+
+    const CloudFile* file() const { return file_.get(); }
 
     Expected<void> take(std::uint32_t leaf, std::span<const Sample> samples) {
         const Node& node = cloud_.octree.node(leaf);
@@ -66,6 +77,7 @@ class LeafReader {
     const SampleFilter& filter_;
     const MeasuredBox& box_;
     const UsePoints& use_;
+    const std::shared_ptr<const CloudFile> file_;  ///< null: in memory
     const ExactPlaces exact_;
     std::vector<glm::dvec3> places_;
 };
@@ -80,11 +92,10 @@ Expected<void> forLeafPoints(const Cloud& cloud, const SampleFilter& filter, con
                              const std::stop_token& stop, const UsePoints& use) {
     LeafReader reader(cloud, filter, box, use);
     const std::vector<std::uint32_t> leaves = leavesNear(cloud, box);
-    const bool direct = cloud.file && !cloud.file->isRemote();
-    if (direct) {
+    if (const CloudFile* file = reader.file(); file != nullptr && !file->isRemote()) {
         for (const std::uint32_t leaf : leaves) {
             if (stop.stop_requested()) return abandoned();
-            const auto samples = cloud.file->samples(leaf);
+            const auto samples = file->samples(leaf);
             if (!samples) return passOn(samples);
             if (auto ok = reader.take(leaf, *samples); !ok) return ok;
         }

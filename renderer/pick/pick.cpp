@@ -111,8 +111,8 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
 Expected<KeptPoint> keptPoint(const Cloud& cloud, const Nearest& found) {
     const Node& node = cloud.octree.node(found.node);
     KeptPoint point;
-    if (cloud.file) {
-        auto kept = cloud.file->point(found.node, found.run.samples, found.index);
+    if (const auto file = cloud.octree.store().cloudFile()) {
+        auto kept = file->point(found.node, found.run.samples, found.index);
         if (!kept) return kept;
         point = std::move(*kept);
     } else {

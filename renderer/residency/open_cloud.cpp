@@ -42,7 +42,6 @@ Expected<std::shared_ptr<const Cloud>> openCloud(std::shared_ptr<const CloudFile
     nodes.reserve(file->nodes().size());
     for (const StoredNode& stored : file->nodes()) nodes.push_back(stored.node);
     const bool empty = nodes.empty();
-    cloud->file = file;
     auto store = cache->add(std::move(file));
     // Then there is always something to draw; who looks at a damaged root sees finer nodes, once they are
     // there.

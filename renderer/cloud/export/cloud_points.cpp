@@ -10,11 +10,20 @@
 #include "files/bytes.hpp"
 #include "renderer/cloud/exact_columns.hpp"
 #include "renderer/cloud/file/blocks/row_columns.hpp"
-#include "renderer/cloud/file/exact_places.hpp"
 
 namespace scancast {
 
 namespace {
+
+/// Lattice steps are those of the grid times a power of two, computed in doubles.
+constexpr double sameStep = 1 + 1e-9;
+
+bool rounds(const Node& leaf, const std::optional<ScanGrid>& grid) {
+    if (!grid) return true;
+    for (int a = 0; a < 3; ++a)
+        if (leaf.step[a] > grid->step[a] * sameStep) return true;
+    return false;
+}
 
 /// Leaves that touch the box, depth first, and how many points they have.
 std::vector<std::uint32_t> leavesWithin(const CloudFile& file, const std::optional<ClipBox>& clip) {
@@ -41,9 +50,7 @@ std::vector<std::uint32_t> leavesWithin(const CloudFile& file, const std::option
 class CloudPoints final : public PointSource {
   public:
     CloudPoints(std::shared_ptr<const CloudFile> file, const CloudPointsOptions& options)
-        : file_(std::move(file)),
-          exact_(file_->facts(), file_.get(), false),
-          leaves_(leavesWithin(*file_, options.clip)) {
+        : file_(std::move(file)), leaves_(leavesWithin(*file_, options.clip)) {
         const CloudFacts& facts = file_->facts();
         header_.format = facts.format;
         header_.attributes = facts.attributes;
@@ -64,6 +71,7 @@ class CloudPoints final : public PointSource {
         for (const std::uint32_t leaf : leaves_) points += file_->nodes()[leaf].node.sampleCount;
         header_.points = points;
         chooseColumns();
+        choosePlanes();
     }
 
     const ScanHeader& header() const override { return header_; }
@@ -110,6 +118,15 @@ class CloudPoints final : public PointSource {
         stride_ = rowBytes(header_.columns);
     }
 
+    void choosePlanes() {
+        if (!file_->facts().grid || !hasGridPlanes(file_->facts())) return;
+        const auto wanted = gridPlanes();
+        gridPlanes_.emplace();
+        for (std::size_t a = 0; a < 3; ++a)
+            (*gridPlanes_)[a] =
+                std::size_t(std::ranges::find(file_->planes(), wanted[a]) - file_->planes().begin());
+    }
+
     /// Some leaves, side by side.
     Expected<void> decodeSome() {
         std::vector<std::uint32_t> some;
@@ -150,9 +167,45 @@ class CloudPoints final : public PointSource {
         }
         auto rows = file_->rows(index);
         if (!rows) return passOn(rows);
-        const auto places = std::span(places_).subspan(first, samples->size());
-        if (auto ok = exact_.of(index, file_->nodes()[index].node, *samples, places); !ok) return ok;
+        if (auto ok = placePoints(index, *samples, first); !ok) return ok;
         takeRows(*rows, samples->size(), first);
+        return {};
+    }
+
+    Expected<void> placePoints(std::uint32_t index, std::span<const Sample> samples, std::size_t first) {
+        const Node& node = file_->nodes()[index].node;
+        const CloudFacts& facts = file_->facts();
+        if (gridPlanes_ && rounds(node, facts.grid)) return placeByPlanes(index, samples.size(), first);
+        if (facts.grid && !rounds(node, facts.grid)) {
+            // On the grid: the very numbers that the scan's reader had.
+            const glm::dvec3 start = (facts.origin + node.boxMin - facts.grid->origin) / facts.grid->step;
+            const glm::dvec3 step = node.step / facts.grid->step;
+            for (std::size_t i = 0; i < samples.size(); ++i) {
+                const Sample& s = samples[i];
+                const glm::dvec3 q = glm::round(start + step * glm::dvec3(s.x, s.y, s.z));
+                places_[first + i] = facts.grid->origin + q * facts.grid->step;
+            }
+            return {};
+        }
+        for (std::size_t i = 0; i < samples.size(); ++i)
+            places_[first + i] = facts.origin + position(node, samples[i]);
+        return {};
+    }
+
+    Expected<void> placeByPlanes(std::uint32_t index, std::size_t count, std::size_t first) {
+        const ScanGrid& grid = *file_->facts().grid;
+        for (int a = 0; a < 3; ++a) {
+            const auto values = file_->plane(index, (*gridPlanes_)[std::size_t(a)]);
+            if (!values) return passOn(values);
+            if (values->size() != count * sizeof(std::int32_t))
+                return fail(ErrorCode::Malformed, file_->path().string() +
+                                                      " has no positions beside the samples "
+                                                      "of a node that rounds them; the file is damaged");
+            for (std::size_t i = 0; i < count; ++i)
+                places_[first + i][a] =
+                    grid.origin[a] +
+                    double(loadLe<std::int32_t>(values->data() + i * sizeof(std::int32_t))) * grid.step[a];
+        }
         return {};
     }
 
@@ -203,11 +256,11 @@ class CloudPoints final : public PointSource {
     }
 
     std::shared_ptr<const CloudFile> file_;
-    ExactPlaces exact_;
     std::vector<std::uint32_t> leaves_;
     std::size_t next_ = 0;
     ScanHeader header_;
     std::optional<std::array<std::size_t, 3>> positions_, normals_;  ///< among the file's columns
+    std::optional<std::array<std::size_t, 3>> gridPlanes_;           ///< among the file's planes
     std::vector<std::size_t> kept_;                                  ///< the other columns
     std::size_t stride_ = 0;
     std::vector<glm::dvec3> places_;  ///< of what is being decoded
@@ -228,10 +281,10 @@ RoundedPoints roundedPoints(const CloudFile& file, const std::optional<ClipBox>&
     if (facts.exact) return rounded;
     for (const std::uint32_t leaf : leavesWithin(file, clip)) {
         const Node& node = file.nodes()[leaf].node;
-        if (!roundsPositions(node, facts.grid)) continue;
+        if (!rounds(node, facts.grid)) continue;
         rounded.points += node.sampleCount;
         for (int a = 0; a < 3; ++a)
-            if (!facts.grid || node.step[a] > facts.grid->step[a] * (1 + 1e-9))
+            if (!facts.grid || node.step[a] > facts.grid->step[a] * sameStep)
                 rounded.most[a] = std::max(rounded.most[a], node.step[a] / 2);
     }
     return rounded;

@@ -37,11 +37,10 @@ bool roundsPositions(const Node& leaf, const std::optional<ScanGrid>& grid) {
     return false;
 }
 
-ExactPlaces::ExactPlaces(const CloudFacts& facts, const CloudFile* file, bool takesDoubles)
-    : facts_(facts), file_(file) {
+ExactPlaces::ExactPlaces(const CloudFacts& facts, const CloudFile* file) : facts_(facts), file_(file) {
     if (file == nullptr) return;
     if (facts.grid && hasGridPlanes(facts)) grid_ = findPlanes(*file, gridPlanes());
-    if (!facts.exact || !takesDoubles) return;
+    if (!facts.exact) return;
     std::array<ValuePlane, 3> columns;
     for (std::size_t a = 0; a < 3; ++a)
         columns[a] = {std::string(exactPositionNames[a]), ColumnType::Float64, ValuePlane::Of::Points};

@@ -16,9 +16,8 @@ bool roundsPositions(const Node& leaf, const std::optional<ScanGrid>& grid);
 
 class ExactPlaces {
   public:
-    /// Both outlive this. `file`: the cloud's; null for one that is in memory only. `takesDoubles`: doubles that stand in columns,
-    /// too; who reads all columns anyway takes them from there.
-    ExactPlaces(const CloudFacts& facts, const CloudFile* file, bool takesDoubles = true);
+    /// Both outlive this. `file`: the cloud's; null for one that is in memory only.
+    ExactPlaces(const CloudFacts& facts, const CloudFile* file);
 
     /// Of all points of a leaf, file coordinates, in the order of its samples: bit for bit what a reader of the scan computes
     /// (grid.origin + grid.step * whole number), or has, where isExact(). Reads what stands beside the samples where those

@@ -105,6 +105,7 @@ Expected<void> forLeafPoints(const Cloud& cloud, const SampleFilter& filter, con
         const auto some = std::span(leaves).subspan(first, std::min(remoteBlocks, leaves.size() - first));
         if (stop.stop_requested()) return abandoned();
         auto runs = cloud.octree.store().loadAll(some, stop);
+        runs.resize(some.size());
         for (std::size_t i = 0; i < some.size(); ++i) {
             // Where others draw a node, loadAll() has nothing of it (node_share.hpp).
             if (runs[i] && runs[i]->samples.empty()) runs[i] = cloud.octree.store().load(some[i], stop);

@@ -24,7 +24,8 @@ double secondsSince(Clock::time_point start) {
 
 double at(std::vector<double> values, double share) {
     std::sort(values.begin(), values.end());
-    return values.empty() ? 0 : values[std::min(values.size() - 1, std::size_t(share * double(values.size())))];
+    return values.empty() ? 0
+                          : values[std::min(values.size() - 1, std::size_t(share * double(values.size())))];
 }
 
 void print(const char* what, std::vector<double> errors, const char* unit) {
@@ -46,7 +47,8 @@ int main(int argc, char** argv) {
     options.title = "town";
     const auto cloud = *buildCloud(*source, options);
     const double bound = 0.001 + cloud->spacing / 2;
-    std::printf("town of %llu points, spacing %.3f m\n\n", static_cast<unsigned long long>(points), cloud->spacing);
+    std::printf("town of %llu points, spacing %.3f m\n\n", static_cast<unsigned long long>(points),
+                cloud->spacing);
     std::printf("| measure | how many | median error | 95 %% | worst |\n|---|---|---|---|---|\n");
 
     std::vector<double> volumes, bodies, areas, lengths;
@@ -68,15 +70,18 @@ int main(int argc, char** argv) {
         bodies.push_back(100 * (measured->above / house.volume() - 1));
         areas.push_back(100 * test::frontArea(*cloud, house) / (house.width * (house.eaves - 0.3)) - 100);
     }
-    for (const auto& [truth, measured] : test::lengthsBetweenPicks(*cloud, town, 400)) lengths.push_back(measured - truth);
+    for (const auto& [truth, measured] : test::lengthsBetweenPicks(*cloud, town, 400))
+        lengths.push_back(measured - truth);
     print("volumes of houses, against rays from above", volumes, "%");
     print("the same, against the generator's body (without chimneys, dormers, eaves)", bodies, "%");
     print("areas of fronts between four picked corners", areas, "%");
     print("lengths between two picks", lengths, "m");
-    const auto within = std::count_if(lengths.begin(), lengths.end(), [&](double e) { return std::abs(e) <= bound; });
+    const auto within =
+        std::count_if(lengths.begin(), lengths.end(), [&](double e) { return std::abs(e) <= bound; });
     std::printf("\nlengths within 1 mm + half the spacing (%.3f m): %.1f %%\n", bound,
                 100.0 * double(within) / double(lengths.size()));
-    std::printf("a volume took %.1f ms on average, %.1f ms at most, of %llu points\n", 1e3 * seconds / double(houses.size()),
-                1e3 * worstTime, static_cast<unsigned long long>(measuredPoints / houses.size()));
+    std::printf("a volume took %.1f ms on average, %.1f ms at most, of %llu points\n",
+                1e3 * seconds / double(houses.size()), 1e3 * worstTime,
+                static_cast<unsigned long long>(measuredPoints / houses.size()));
     return 0;
 }

@@ -108,8 +108,7 @@ inline double frontArea(const Cloud& cloud, const TownHouse& house) {
     const glm::dvec3 out = glm::normalize(glm::cross(along, glm::dvec3(0, 0, 1)));
     std::vector<glm::dvec3> corners;
     for (const auto& [end, height] : {std::pair{0, 0.3}, {1, 0.3}, {1, house.eaves}, {0, house.eaves}})
-        corners.push_back(
-            pickedAt(cloud, house.corners[std::size_t(end)] + glm::dvec3(0, 0, height), out));
+        corners.push_back(pickedAt(cloud, house.corners[std::size_t(end)] + glm::dvec3(0, 0, height), out));
     return measureArea(corners).plane;
 }
 
@@ -122,12 +121,15 @@ inline std::vector<Length> lengthsBetweenPicks(const Cloud& cloud, const RayCast
     std::optional<glm::dvec3> last, lastPicked;
     for (std::uint64_t i = 0; int(lengths.size()) < count && i < 100'000; ++i) {
         const glm::dvec3 from = glm::normalize(glm::dvec3(uniform(i, 1) - 0.5, uniform(i, 2) - 0.5, 0.6));
-        const glm::dvec3 ground = town.origin() + glm::dvec3(150 * uniform(i, 3) - 75, 150 * uniform(i, 4) - 75, 0);
+        const glm::dvec3 ground =
+            town.origin() + glm::dvec3(150 * uniform(i, 3) - 75, 150 * uniform(i, 4) - 75, 0);
         const auto hit = town.cast({ground + 100.0 * from, -from}, 0, 150);
         // Leaves have no surface, and what little things are made of is hardly scanned.
-        if (!hit || hit->classification == 5 || hit->classification == 4 || hit->classification == 3) continue;
+        if (!hit || hit->classification == 5 || hit->classification == 4 || hit->classification == 3)
+            continue;
         const glm::dvec3 picked = pickedAt(cloud, hit->position, from);
-        if (last) lengths.push_back({glm::distance(*last, hit->position), glm::distance(*lastPicked, picked)});
+        if (last)
+            lengths.push_back({glm::distance(*last, hit->position), glm::distance(*lastPicked, picked)});
         last = hit->position;
         lastPicked = picked;
     }

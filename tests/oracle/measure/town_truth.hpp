@@ -10,6 +10,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "protocol/measure/vertices.hpp"
@@ -107,8 +109,10 @@ inline double frontArea(const Cloud& cloud, const TownHouse& house) {
     const glm::dvec3 along = house.corners[1] - house.corners[0];
     const glm::dvec3 out = glm::normalize(glm::cross(along, glm::dvec3(0, 0, 1)));
     std::vector<glm::dvec3> corners;
-    for (const auto& [end, height] : {std::pair{0, 0.3}, {1, 0.3}, {1, house.eaves}, {0, house.eaves}})
-        corners.push_back(pickedAt(cloud, house.corners[std::size_t(end)] + glm::dvec3(0, 0, height), out));
+    const std::array<std::pair<std::size_t, double>, 4> places{
+        {{0, 0.3}, {1, 0.3}, {1, house.eaves}, {0, house.eaves}}};
+    for (const auto& [end, height] : places)
+        corners.push_back(pickedAt(cloud, house.corners[end] + glm::dvec3(0, 0, height), out));
     return measureArea(corners).plane;
 }
 

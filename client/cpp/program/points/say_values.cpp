@@ -27,7 +27,8 @@ void sayUnder(const std::string& name, const nlohmann::json& value) {
         return;
     }
     const bool isListOfObjects =
-        value.is_array() && std::ranges::any_of(value, [](const auto& one) { return one.is_object(); });
+        value.is_array() &&
+        std::any_of(value.begin(), value.end(), [](const auto& one) { return one.is_object(); });
     if (isListOfObjects) {
         for (std::size_t i = 0; i < value.size(); ++i) sayUnder(start + std::to_string(i), value[i]);
         return;

@@ -10,6 +10,21 @@ set(SCANCAST_WEB_FILES
     connection/server.js
     connection/session.js
     connection/stores.js
+    measure/coordinates.js
+    measure/draft.js
+    measure/export.js
+    measure/files.js
+    measure/hand.js
+    measure/link.js
+    measure/marks.js
+    measure/measures.js
+    measure/measuring.js
+    measure/panel.js
+    measure/places.js
+    measure/project.js
+    measure/shelf.js
+    measure/units.js
+    measure/values.js
     page/choices.js
     page/chosen_method.js
     page/colour_choice.js
@@ -32,6 +47,7 @@ set(SCANCAST_WEB_FILES
     page/share.js
     page/stations.js
     page/strings.js
+    page/strings/measure.js
     page/themes.js
     page/thumbnails.js
     page/tools.js
@@ -39,6 +55,7 @@ set(SCANCAST_WEB_FILES
     protocol/frame_header.js
     protocol/view_words.js
     styles/fields.css
+    styles/measure.css
     styles/panel.css
     styles/photos.css
     styles/rail.css

@@ -1,6 +1,7 @@
 // Puts the page together: the viewer, and around it panel, title, buttons and keys.
 
 import { takeGuestToken } from './connection/guest.js';
+import { Measuring } from './measure/measuring.js';
 import { Choices } from './page/choices.js';
 import { ChosenMethod } from './page/chosen_method.js';
 import { Controls } from './page/controls.js';
@@ -60,6 +61,10 @@ const controls = new Controls({
   upAxis: (axis) => viewer.turnUp(axis),
   reset: () => viewer.resetStyle(),
   gallery: (open) => galleries.show('methods', open),
+});
+const measuring = new Measuring(viewer, {
+  overlays, hash: () => viewHash() ?? '', changed: () => address.changed(),
+  active: (isActive) => find('tool-measure').setAttribute('aria-pressed', String(isActive)),
 });
 const galleries = new Galleries(viewer, () => controls);
 const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
@@ -150,7 +155,9 @@ let known = location.hash; // what the address is known to say
 /** The view that is wanted, as the address says it; `present` is the page's own word. */
 function hashNow() {
   const hash = viewHash();
-  return hash && presentation.isOn ? `${hash}&present` : hash;
+  if (!hash) return hash;
+  const whole = sought ? hash : `${hash}${measuring.hashPart(hash.length)}`;
+  return presentation.isOn ? `${whole}&present` : whole;
 }
 
 function viewHash() {
@@ -188,6 +195,7 @@ function addressChanged() {
   known = location.hash;
   address.arrived();
   const link = parseHash(known);
+  if (!history.state) measuring.arrived(known); // an address from elsewhere, not one that was left here
   if (link) viewer.restore(link);
 }
 
@@ -243,6 +251,9 @@ rail.register({
   id: 'look', mode: 'navigate', label: tools.look, tip: tools.lookTip, icon: 'look', elementId: 'look-around', activate: () => setLooking(true),
 });
 rail.register({
+  id: 'measure', label: strings.measure.tool, tip: strings.measure.toolTip, icon: 'measure', key: 'm', activate: () => measuring.activate(),
+}).setAttribute('aria-pressed', 'false');
+rail.register({
   id: 'views', label: tools.views, tip: tools.viewsTip, icon: 'views', key: 'v', activate: () => find('views-gallery').togglePopover(),
 });
 rail.register({ id: 'picture', label: tools.picture, tip: tools.pictureTip, icon: 'picture', elementId: 'save-picture', activate: saveThisPicture });
@@ -280,7 +291,7 @@ addEventListener('keydown', (event) => {
   const tool = rail.withKey(key);
   if ((!Object.hasOwn(shortcuts, key) && !tool) || !(isForView(event) || closesHelp)) return;
   event.preventDefault(); // a menu that has the focus would go to its next entry of that letter
-  if (presentation.isOn && ['p', 'v'].includes(key)) return; // what they open is not there
+  if (presentation.isOn && ['p', 'v', 'm'].includes(key)) return; // what they open is not there
   if (tool) rail.activate(tool);
   else shortcuts[key](event);
 });
@@ -296,6 +307,7 @@ find('copy-link').addEventListener('click', () => {
   copyLink(overlays);
 });
 const link = parseHash(location.hash);
+measuring.arrived(location.hash);
 if (asksToPresent(location.hash)) presentation.enter({ fullScreen: false });
 // Who has touched nothing before he reloads sees the cloud as the server would show it now, in a window of another size, too.
 viewer.start(history.state?.untouched ? { cloud: link?.cloud } : link);

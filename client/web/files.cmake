@@ -15,6 +15,7 @@ set(SCANCAST_WEB_FILES
     measure/export.js
     measure/files.js
     measure/hand.js
+    measure/keeping.js
     measure/link.js
     measure/marks.js
     measure/measures.js

@@ -1,22 +1,17 @@
-// Measuring, put together: the tool in the rail, the hand on the picture, what is drawn over it, the card beside it, and where all that is
-// kept. main.js makes one, and gives it the viewer; a page without it has no trace of measuring (scancast-view.js has none).
+// Measuring, put together: the hand on the picture, what is drawn over it, the card beside it, and where all that is kept (keeping.js).
+// main.js makes one, and gives it the viewer; a page without it has no trace of measuring, as scancast-view.js has none.
 
 import { deviceStore } from '../connection/stores.js';
 import { strings } from '../page/strings.js';
 import { fit, radiusOf } from '../view/camera.js';
 import { usualUpAxis } from '../view/usual.js';
-import { parseHash } from '../view/view_hash.js';
 import { axesText, Coordinates } from './coordinates.js';
 import { Draft, moreOf, stepOf } from './draft.js';
-import { csvOf, dxfOf, geoJsonOf, isWgs84 } from './export.js';
-import { acceptFiles, download, readProject } from './files.js';
 import { Hand } from './hand.js';
-import { parseMeasures, printMeasures } from './link.js';
+import { Keeping } from './keeping.js';
 import { Marks } from './marks.js';
-import { Measures, mostMeasures, unknownOf } from './measures.js';
+import { Measures, mostMeasures } from './measures.js';
 import { Panel } from './panel.js';
-import { printProject } from './project.js';
-import { keep, recall } from './shelf.js';
 import { exactText, measuresLengths, unitOf, unitsFor, valueText } from './units.js';
 import { boundsOf, valuesOf } from './values.js';
 
@@ -34,6 +29,7 @@ export class Measuring {
   #panel;
   #hand;
   #coordinates;
+  #keeping;
   #isActive = false;
   #kind = 'distance';
   #unit = deviceStore.get(unitKey);
@@ -42,9 +38,6 @@ export class Measuring {
   #selected; // { id, index } of the measure that is open, and of a point of it
   #replaced; // { id, index } of a point that the next click moves
   #moved; // { id, points } while a point is being dragged
-  #pending; // { cloud, use() } of a link or a project whose cloud is not shown yet
-  #kept = {}; // what a project file said that is not this page's
-  #leftOut = 0; // measures for which the link had no room
   #click;
 
   /**
@@ -77,9 +70,11 @@ export class Measuring {
       remove: (id) => this.#remove(id), again: (id, index) => this.#again(id, index), removePoint: (id, index) => this.#measures.removePoint(id, index),
       close: () => this.activate(false),
     });
+    this.#keeping = new Keeping(viewer, this.#measures, {
+      overlays: page.overlays, hash: page.hash, unit: () => this.#shownUnit, setUnit: (unit) => this.#setUnit(unit), opened: () => this.activate(true),
+    });
     this.#measures.addEventListener('change', () => this.#changed());
     viewer.addEventListener('cloud', ({ detail }) => this.#cloudShown(detail));
-    this.#connectFiles();
   }
 
   get isActive() { return this.#isActive; }
@@ -107,61 +102,30 @@ export class Measuring {
     this.#cloud = cloud;
     if (isOther) {
       this.#draft = this.#selected = this.#replaced = this.#moved = undefined;
-      this.#kept = {};
       if (!measuresLengths(cloud.crsUnit)) this.#kind = 'point';
-      const known = recall(cloud);
-      this.#kept = known?.project.kept ?? {};
-      this.#measures.begin(known?.project.measures ?? []);
-      if (known?.isOlder && known.project.measures.length > 0) this.#page.overlays.toast(words.messages.otherState, words.messages.otherStateDetail);
     }
-    find('export-geojson').hidden = !isWgs84(cloud);
     this.#panel.setCloud(cloud, this.#kind, this.#shownUnit);
-    if (this.#pending && (!this.#pending.cloud || this.#pending.cloud === cloud.id)) {
-      const { use } = this.#pending;
-      this.#pending = undefined;
-      use();
-    }
+    this.#keeping.show(cloud);
     this.#show();
     this.#showList();
   }
 
   /** An address that somebody has been given: its measures come to those that are here. */
   arrived(hash) {
-    const list = parseMeasures(hash);
-    if (list.length === 0) return;
-    const { cloud } = parseHash(hash) ?? {};
-    this.#pending = { cloud, use: () => this.#adopt(list) };
-    if (this.#cloud && (!cloud || cloud === this.#cloud.id)) this.#cloudShown(this.#cloud);
-  }
-
-  #adopt(list) {
-    const fresh = unknownOf(this.#measures.list, list);
-    for (const one of fresh) this.#measures.add({ ...one, name: one.name || this.#measures.nameFor(words.kinds[one.kind]) });
+    this.#keeping.arrived(hash);
   }
 
   /** '' or '&measures=…', for an address that has that many characters already. */
   hashPart(taken) {
-    if (this.#measures.list.length === 0) return '';
-    const { word, left } = printMeasures(this.#measures.list, words.kinds, taken);
-    if (left > this.#leftOut) this.#page.overlays.toast(words.messages.linkFull, words.messages.linkFullDetail(left), 'done');
-    this.#leftOut = left;
-    return word && `&${word}`;
+    return this.#keeping.hashPart(taken);
   }
 
   #changed() {
     if (this.#selected && !this.#measures.find(this.#selected.id)) this.#selected = undefined;
     if (this.#replaced && !this.#measures.find(this.#replaced.id)) this.#replaced = undefined;
-    if (this.#cloud) {
-      const hasSome = this.#measures.list.length > 0 || Object.keys(this.#kept).length > 0;
-      keep(this.#cloud, hasSome ? this.#project('') : '');
-    }
     this.#show();
     this.#showList();
     this.#page.changed();
-  }
-
-  #project(view) {
-    return printProject({ cloud: this.#cloud, view, unit: this.#shownUnit, measures: this.#measures.list, kept: this.#kept });
   }
 
   // ---- what is measured
@@ -259,7 +223,7 @@ export class Measuring {
     const draft = this.#draft;
     if (!draft) return;
     if (draft.lacks > 0) {
-      this.#page.overlays.toast(words.messages.tooFew(draft.lacks), words.how[draft.kind], 'done');
+      this.#page.overlays.toast(words.messages.tooFew(draft.lacks), '', 'done');
       return;
     }
     draft.closing = true;
@@ -411,7 +375,7 @@ export class Measuring {
     }, clickMs);
   }
 
-  // ---- keys and files
+  // ---- keys
 
   /** Whether the key was of use. */
   #key(name) {
@@ -434,51 +398,5 @@ export class Measuring {
   get #middle() {
     const { width, height } = this.#viewer.cssSize;
     return { x: width / 2, y: height / 2 };
-  }
-
-  #connectFiles() {
-    const save = (ending, type, text) => {
-      if (!this.#cloud) return;
-      const name = `${this.#cloud.id}.${ending}`;
-      download(name, type, text());
-      this.#page.overlays.toast(words.messages.saved, name, 'done');
-    };
-    const on = (id, act) => find(id).addEventListener('click', act);
-    on('export-csv', () => save('csv', 'text/csv', () => csvOf(this.#measures.list, this.#cloud, words.kinds)));
-    on('export-dxf', () => save('dxf', 'image/vnd.dxf', () => dxfOf(this.#measures.list, this.#cloud, words.kinds, unitOf(this.#cloud.crsUnit, this.#shownUnit))));
-    on('export-geojson', () => save('geojson', 'application/geo+json', () => geoJsonOf(this.#measures.list)));
-    on('save-project', () => save('project.json', 'application/json', () => this.#project(this.#page.hash().replace(/^#/, ''))));
-    acceptFiles(find('open-project'), find('project-file'), (file) => this.#open(file));
-  }
-
-  async #open(file) {
-    const { overlays } = this.#page;
-    let project;
-    try {
-      project = await readProject(file);
-    } catch (/** @type {any} */ error) {
-      overlays.toast(words.messages.notOpened, error.message);
-      return;
-    }
-    const { id } = project.cloud;
-    const isHere = id === this.#cloud?.id;
-    if (!isHere && !this.#viewer.catalog.clouds.some((one) => one.id === id)) {
-      overlays.toast(words.messages.notOpened, words.messages.noCloud(id));
-      return;
-    }
-    const view = parseHash(`#${project.view}`);
-    this.#pending = { cloud: id, use: () => this.#use(project) };
-    if (isHere) this.#cloudShown(this.#cloud);
-    if (view || !isHere) this.#viewer.restore({ ...view, cloud: id });
-  }
-
-  #use({ cloud, unit, measures, kept }) {
-    this.#kept = kept;
-    if (unit) this.#setUnit(unit);
-    this.#measures.replace(measures.map((one) => ({ ...one, name: one.name || words.kinds[one.kind] })));
-    const { messages } = words;
-    this.activate(true);
-    if (cloud.revision && cloud.revision !== this.#cloud.revision) this.#page.overlays.toast(messages.otherState, messages.otherStateDetail);
-    else this.#page.overlays.toast(messages.opened, messages.openedDetail(measures.length), 'done');
   }
 }

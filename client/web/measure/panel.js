@@ -13,6 +13,7 @@ import { crossesItself, kinds, valuesOf } from './values.js';
 const find = (id) => document.getElementById(id);
 const words = strings.measure;
 const longestName = 120;
+const touch = matchMedia('(pointer: coarse)');
 
 const facts = (pairs) => element('dl', {}, ...pairs.flatMap(([term, text]) => [element('dt', { textContent: term }), element('dd', { textContent: text })]));
 
@@ -29,6 +30,7 @@ export class Panel {
   #kinds;
   #unit;
   #cloud;
+  #open; // the measure whose row was open last
 
   /**
    * `does`: kind(kind), unit(unit), finish(), takeBack(), cancel(), undo(), redo(), select(id or undefined), change(id, changes), zoom(id),
@@ -72,8 +74,8 @@ export class Panel {
 
   /** What to do next; `draft` is what is being made, `replaced` the index of a point that gets another place. */
   showTask(kind, draft, replaced) {
-    const how = replaced === undefined ? words.how[kind] : words.again(replaced + 1);
-    find('measure-how').textContent = draft && replaced === undefined ? `${how} ${words.keys}` : how;
+    const how = replaced === undefined ? words.how[kind](touch.matches) : words.again(replaced + 1, touch.matches);
+    find('measure-how').textContent = draft && replaced === undefined && !touch.matches ? `${how} ${words.keys}` : how;
     find('measure-draft').hidden = !draft;
     if (draft) find('measure-done').disabled = draft.lacks > 0 || draft.closing;
   }
@@ -93,6 +95,8 @@ export class Panel {
     find('measure-redo').disabled = !measures.canRedo;
     for (const id of ['export-csv', 'export-dxf', 'export-geojson']) find(id).disabled = list.length === 0;
     find('measure-list').replaceChildren(...list.map((one) => this.#row(one, one.id === selected, unit)));
+    if (selected !== undefined && selected !== this.#open) find('measure-list').querySelector('li:has([aria-expanded="true"])')?.scrollIntoView({ block: 'nearest' });
+    this.#open = selected;
     // What had the focus may be gone; then the next best has it, and never nothing.
     if (focused && !this.focus(focused)) (find('measure-list').querySelector('button') ?? find('close-measuring')).focus();
   }

@@ -1,5 +1,8 @@
 // What the page says of measuring. strings.js puts it beside the rest, as strings.measure.
 
+const pressed = (touch) => (touch ? 'Tap' : 'Click');
+const ending = (touch) => (touch ? '“Done”' : 'double-click or Enter');
+
 export const measure = {
   tool: 'Measure',
   toolTip: 'Measure: distances, heights, angles, areas, circles (M)',
@@ -19,17 +22,18 @@ export const measure = {
     circle: 'Circle through three points: radius, diameter',
   },
   onlyPoints: 'The coordinates of this scan are degrees: lengths cannot be measured in them.',
+  /** `touch`: by fingers, who have no keys and no double-click. */
   how: {
-    point: 'Click a point of the scan.',
-    distance: 'Click points of the scan; double-click or Enter ends the line.',
-    horizontal: 'Click points of the scan; double-click or Enter ends the line.',
-    height: 'Click a lower and an upper point.',
-    angle: 'Click three points; the angle is at the second.',
-    area: 'Click the corners of the outline; double-click or Enter closes it.',
-    circle: 'Click three points on the circle.',
+    point: (touch) => `${pressed(touch)} a point of the scan.`,
+    distance: (touch) => `${pressed(touch)} points of the scan; ${ending(touch)} ends the line.`,
+    horizontal: (touch) => `${pressed(touch)} points of the scan; ${ending(touch)} ends the line.`,
+    height: (touch) => `${pressed(touch)} a lower and an upper point.`,
+    angle: (touch) => `${pressed(touch)} three points; the angle is at the second.`,
+    area: (touch) => `${pressed(touch)} the corners of the outline; ${ending(touch)} closes it.`,
+    circle: (touch) => `${pressed(touch)} three points on the circle.`,
   },
   keys: 'Backspace takes back the last point, Esc gives up, Space takes the point in the middle of the picture.',
-  again: (number) => `Click where point ${number} is to be. Esc leaves it where it is.`,
+  again: (number, touch) => `${pressed(touch)} where point ${number} is to be.${touch ? '' : ' Esc leaves it where it is.'}`,
   done: 'Done',
   takeBack: 'Remove last point',
   cancel: 'Cancel',
@@ -88,7 +92,7 @@ export const measure = {
 
   messages: {
     nothing: 'There is no point of the scan',
-    nothingDetail: 'Click where the picture shows some.',
+    nothingDetail: 'Choose a place where the picture shows some.',
     failed: 'The point could not be found',
     tooFew: (count) => `${count === 1 ? 'One more point is' : `${count} more points are`} needed`,
     tooMany: 'There are too many measurements',

@@ -50,7 +50,6 @@ export class Measuring {
     const canvas = find('picture');
     this.#marks = new Marks(find('marks'), viewer);
     this.#coordinates = new Coordinates(find('coordinates'), viewer);
-    const selectPoint = (id, index) => this.#select(id, index);
     const measuring = this;
     this.#hand = new Hand(canvas, find('marks'), {
       get isActive() { return measuring.#isActive; },
@@ -60,7 +59,7 @@ export class Measuring {
       drag: (dragged) => this.#drag(dragged),
       drop: (dragged) => this.#drop(dragged),
       let: () => this.#let(),
-      select: selectPoint,
+      select: (id, index) => this.#touched(id, index),
       key: (name) => this.#key(name),
     });
     this.#panel = new Panel({
@@ -178,6 +177,19 @@ export class Measuring {
       this.#coordinates.exact(found.position, stepOf(found), cursor);
       this.#panel.say(words.said.point(draft.places.indexOf(place) + 1, axesText(found.position, stepOf(found))));
     }
+    this.#settled();
+  }
+
+  /** A point, or a label, that is there already: the next point of what is being made, where there is such a thing. */
+  #touched(id, index) {
+    const measure = this.#measures.find(id);
+    if (!this.#draft || index === undefined) {
+      this.#select(id, index);
+      return;
+    }
+    if (!measure || !this.#draft.takesMore) return;
+    const step = [measure.step, measure.step, measure.step];
+    this.#draft.settle(this.#draft.add(measure.points[index]), { position: measure.points[index], precision: step, ...measure.more });
     this.#settled();
   }
 
@@ -334,6 +346,7 @@ export class Measuring {
       return { measure, look: { key: `${selected} ${text} ${isMoved}`, selected, drawn: isMoved, text, leg } };
     });
     const draft = this.#draftMark(leg);
+    find('marks').classList.toggle('drafting', draft !== undefined);
     this.#marks.show(draft ? [...marks, draft] : marks);
     const point = this.#selected?.index;
     for (const node of find('marks').querySelectorAll('.handle.chosen')) node.classList.remove('chosen');

@@ -63,9 +63,13 @@ await take('presentation', wide, `cloud=${first}`, async (page) => {
 await take('tablet', { ...tablet, colorScheme: 'light' }, `cloud=${last}`);
 await take('phone', phone, `cloud=${last}`);
 
-// Somebody who measures. The card covers the left of the picture.
-await take('measure', { viewport: { width: 1100, height: 620 } }, `cloud=${first}`, async (page) => {
-  const measure = async (kind, places) => {
+// Somebody who measures; the card covers the left of the picture.
+const near = 'eye=389500,5819655,100&target=389500,5819765,36&up=0,0,1&projection=perspective&fov=45'; // of the generated town
+await take('measure', { viewport: { width: 1000, height: 580 } }, `cloud=${first}&${near}`, async (page) => {
+  await page.keyboard.press('p');
+  await page.waitForTimeout(500);
+  await page.keyboard.press('m');
+  for (const [kind, places] of [['height', [[499, 170], [500, 66]]], ['area', [[470, 462], [570, 458], [575, 506], [458, 510]]], ['distance', [[702, 430], [664, 312], [628, 242]]]]) {
     await page.check(`#measure-kinds input[value=${kind}]`);
     for (const [x, y] of places) {
       await page.mouse.click(x, y);
@@ -73,11 +77,8 @@ await take('measure', { viewport: { width: 1100, height: 620 } }, `cloud=${first
     }
     await page.keyboard.press('Enter');
     await page.waitForTimeout(300);
-  };
-  await page.keyboard.press('m');
-  await measure('height', [[662, 278], [668, 150]]);
-  await measure('distance', [[520, 440], [655, 395], [760, 455]]);
-}, 68);
+  }
+}, 46);
 
 await browser.close();
 await proxy.stop();

@@ -64,4 +64,4 @@ export class Draft {
 export const stepOf = ({ precision }) => Math.max(0, ...(Array.isArray(precision) ? precision : [0]).filter(Number.isFinite));
 
 /** What the scan says of a picked point itself, and not of the picture it was picked in. */
-export const moreOf = ({ position, precision, depth, distance, ...more }) => more;
+export const moreOf = ({ position, precision, depth, distance, crs, attributes, ...more }) => ({ ...more, ...attributes });

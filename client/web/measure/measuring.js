@@ -395,7 +395,7 @@ export class Measuring {
     const { id, index } = this.#selected ?? {};
     const acts = {
       Escape: () => (this.#draft || this.#replaced ? this.#cancel() : this.#selected ? this.#select(undefined) : this.activate(false)),
-      Enter: this.#draft && (() => this.#finish()),
+      Enter: () => this.#finish(), // also where nothing is to be ended: nobody who measures wants to fly off by it
       ' ': () => this.#clicked(this.#middle),
       Backspace: this.#draft ? () => this.#takeBack() : index !== undefined && (() => this.#measures.removePoint(id, index)),
       undo: this.#draft ? () => this.#takeBack() : this.#measures.canUndo && (() => this.#measures.undo()),

@@ -112,7 +112,7 @@ describe('digits and units', () => {
 });
 
 describe('a draft', () => {
-  const found = (...position) => ({ position, precision: [0.001, 0.001, 0.01], depth: 3, distance: 0, rgb: [1, 2, 3] });
+  const found = (...position) => ({ position, precision: [0.001, 0.001, 0.01], depth: 3, distance: 0, rgb: [1, 2, 3], crs: null, attributes: { gps_time: 7 } });
   it('is a measure once all its points are found', () => {
     const draft = new Draft('height', 'z');
     const first = draft.add([0, 0, 0]);
@@ -136,7 +136,7 @@ describe('a draft', () => {
   it('a point keeps what the scan says of it, and nothing of the picture', () => {
     const draft = new Draft('point', 'z');
     draft.settle(draft.add(undefined), found(1, 2, 3));
-    assert.deepEqual(draft.measure.more, { rgb: [1, 2, 3] });
+    assert.deepEqual(draft.measure.more, { rgb: [1, 2, 3], gps_time: 7 });
     assert.equal(stepOf({}), 0);
   });
 });

@@ -195,27 +195,31 @@ describe('measuring', { timeout: 150_000 }, () => {
       await page.mouse.move(b.x, b.y, { steps: 4 });
       await page.mouse.up();
       await isTrue(() => page.picks.length > count, 'a pick at the new place');
-      await page.waitForTimeout(300);
     };
     const pointsNow = async () => (await measures(page))[0].points.map((point) => point.map((value, axis) => Math.round(value - courtOrigin[axis])));
+    /** Once the server has found the point, they are these. */
+    const become = async (wanted) => {
+      for (const end = Date.now() + 8000; JSON.stringify(await pointsNow()) !== JSON.stringify(wanted) && Date.now() < end;) await page.waitForTimeout(40);
+      assert.deepEqual(await pointsNow(), wanted);
+    };
     const before = await camera(page);
     await drag(at(14, 6), at(14, 3));
-    assert.deepEqual(await pointsNow(), [[6, 6, 0], [14, 3, 0]]);
+    await become([[6, 6, 0], [14, 3, 0]]);
     await drag(at(10, 4.5), at(10, 9)); // the middle of the line
-    assert.deepEqual(await pointsNow(), [[6, 6, 0], [10, 9, 0], [14, 3, 0]]);
+    await become([[6, 6, 0], [10, 9, 0], [14, 3, 0]]);
     assert.deepEqual(await camera(page), before, 'the camera has moved');
     await click(page, at(10, 9));
     await page.keyboard.press('Delete');
-    assert.deepEqual(await pointsNow(), [[6, 6, 0], [14, 3, 0]]);
+    await become([[6, 6, 0], [14, 3, 0]]);
     await page.keyboard.press('Control+z');
     await page.keyboard.press('Control+z');
     await page.keyboard.press('Control+z');
-    assert.deepEqual(await pointsNow(), [[6, 6, 0], [14, 6, 0]]);
+    await become([[6, 6, 0], [14, 6, 0]]);
     await page.keyboard.press('Control+Shift+z');
-    assert.deepEqual(await pointsNow(), [[6, 6, 0], [14, 3, 0]]);
+    await become([[6, 6, 0], [14, 3, 0]]);
     await drag(at(14, 3), { x: 900, y: 12 }); // the background
-    assert.match(await page.textContent('#toast-title'), /no point/);
-    assert.deepEqual(await pointsNow(), [[6, 6, 0], [14, 3, 0]]);
+    await page.waitForFunction(() => /no point/.test(document.getElementById('toast-title').textContent));
+    await become([[6, 6, 0], [14, 3, 0]]);
   }));
 
   it('with keys alone: aim, place, take back, end, name, delete', () => withPage(async (page) => {

@@ -41,7 +41,10 @@ function freeSize({ width, height }) {
   return { width: Math.max(width - sides, 0.8 * width), height: Math.max(height - (offsetWidth > 0 ? 170 : 80), 0.7 * height) };
 }
 
-const presentation = new Presentation(() => address.changed());
+const presentation = new Presentation((on) => {
+  if (on) measuring.activate(false); // what has been measured stays in the picture
+  address.changed();
+});
 const layout = new Layout();
 const rail = new ToolRail(find('rail'));
 viewer.freeSize = freeSize;

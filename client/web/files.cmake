@@ -4,6 +4,9 @@ set(SCANCAST_WEB_FILES
     favicon.svg
     main.js
     scancast-view.js
+    clip/box.js
+    clip/clip_marks.js
+    clip/clipping.js
     connection/access.js
     connection/connection.js
     connection/guest.js
@@ -48,6 +51,7 @@ set(SCANCAST_WEB_FILES
     page/share.js
     page/stations.js
     page/strings.js
+    page/strings/clip.js
     page/strings/measure.js
     page/themes.js
     page/thumbnails.js
@@ -55,6 +59,8 @@ set(SCANCAST_WEB_FILES
     protocol/frame_depth.js
     protocol/frame_header.js
     protocol/view_words.js
+    styles/card.css
+    styles/clip.css
     styles/fields.css
     styles/measure.css
     styles/panel.css

@@ -1,6 +1,7 @@
 // Puts the page together: the viewer, and around it panel, title, buttons and keys.
 
 import { takeGuestToken } from './connection/guest.js';
+import { Clipping, knowsClips } from './clip/clipping.js';
 import { Measuring } from './measure/measuring.js';
 import { Choices } from './page/choices.js';
 import { ChosenMethod } from './page/chosen_method.js';
@@ -42,6 +43,7 @@ function freeSize({ width, height }) {
 }
 
 const presentation = new Presentation((on) => {
+  if (on) clipping.activate(false);
   if (on) measuring.activate(false); // what has been measured stays in the picture
   address.changed();
 });
@@ -67,7 +69,14 @@ const controls = new Controls({
 });
 const measuring = new Measuring(viewer, {
   overlays, hash: () => viewHash() ?? '', changed: () => address.changed(),
-  active: (isActive) => find('tool-measure').setAttribute('aria-pressed', String(isActive)),
+  active: (isActive) => {
+    find('tool-measure').setAttribute('aria-pressed', String(isActive));
+    if (isActive) clipping.activate(false); // there is room for one card
+  },
+});
+const clipping = new Clipping(viewer, (isActive) => {
+  find('tool-clip')?.setAttribute('aria-pressed', String(isActive));
+  if (isActive) measuring.activate(false);
 });
 const galleries = new Galleries(viewer, () => controls);
 const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
@@ -107,6 +116,7 @@ on('sought', ({ cloud }) => {
 on('cloud', (cloud) => {
   sought = undefined;
   showScan(cloud);
+  offerClipping(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
   showLoading();
@@ -261,6 +271,13 @@ rail.register({
 });
 rail.register({ id: 'picture', label: tools.picture, tip: tools.pictureTip, icon: 'picture', elementId: 'save-picture', activate: saveThisPicture });
 rail.register({ id: 'present', label: tools.present, tip: tools.presentTip, icon: 'present', key: 'h', activate: () => presentation.toggle() });
+
+/** Only where the server has the word. */
+function offerClipping(cloud) {
+  if (!knowsClips(cloud) || find('tool-clip')) return;
+  rail.register({ id: 'clip', label: strings.clip.tool, tip: strings.clip.toolTip, icon: 'clip', key: 'x', activate: () => clipping.activate() })
+    .setAttribute('aria-pressed', 'false');
+}
 setLooking(false);
 
 const theme = new Choices(find('theme'), chooseTheme);
@@ -294,7 +311,7 @@ addEventListener('keydown', (event) => {
   const tool = rail.withKey(key);
   if ((!Object.hasOwn(shortcuts, key) && !tool) || !(isForView(event) || closesHelp)) return;
   event.preventDefault(); // a menu that has the focus would go to its next entry of that letter
-  if (presentation.isOn && ['p', 'v', 'm'].includes(key)) return; // what they open is not there
+  if (presentation.isOn && ['p', 'v', 'm', 'x'].includes(key)) return; // what they open is not there
   if (tool) rail.activate(tool);
   else shortcuts[key](event);
 });

@@ -192,7 +192,7 @@ describe('the looks of the page', { timeout: 170_000 }, () => {
   it('has no button for what cannot be done yet, and a place for it', async () => {
     await open();
     const tools = await page.$$eval('#rail button', (buttons) => buttons.map((button) => button.textContent));
-    assert.deepEqual(tools, ['Orbit', 'Look', 'Measure', 'Views', 'Picture', 'Present']);
+    assert.deepEqual(tools, ['Orbit', 'Look', 'Measure', 'Cut', 'Views', 'Picture', 'Present']);
     await page.click('#look-around');
     assert.deepEqual(await page.$$eval('#rail [aria-pressed=true]', (buttons) => buttons.map((button) => button.textContent)), ['Look']);
     assert.match(await page.textContent('#hint'), /to look around/);

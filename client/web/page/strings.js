@@ -4,6 +4,7 @@
 // index.html holds no words but its title: an element with data-text="panel.title" gets that string as its text; data-label,
 // data-tip and data-hint are its aria-label, title and placeholder.
 
+import { clip } from './strings/clip.js';
 import { measure } from './strings/measure.js';
 
 /** 1234567 → "1.2 million". Pure. */
@@ -345,6 +346,7 @@ export const strings = {
   },
 
   measure,
+  clip,
 
   /** What the methods' parameters are called; those that are not here are called what the server calls them. */
   parameters: {

@@ -29,6 +29,7 @@ export const keyTable = [
   ['L', 'switch dragging between orbit and look around'],
   ['O', 'perspective or orthographic'],
   ['M', 'measure; then Space takes the point in the middle'],
+  ['X', 'cut by boxes'],
   ['V', 'suggested views'],
   ['H', 'presentation: the picture and nothing else'],
   ['Ctrl Z', 'previous view (with Shift: the next)'],

@@ -42,7 +42,7 @@ function makeCloud(id, title, halfHeight, attributes) {
     view: {
       camera: { type: 'perspective', eye: [14, -22, 12], target: [0, 0, 0], up: [0, 0, 1], fov: 60, near: null, far: null },
       width: 1280, height: 720, method: 'paraboloid', param: {}, color: 'auto', colormap: 'viridis', range: null,
-      classes: null, clip: null, shading: null, mirrors: true, behindMirrors: false, background: ['#3a424e', '#16191e'], detail: null, budget: null, samples: null,
+      classes: null, clip: null, clips: null, shading: null, mirrors: true, behindMirrors: false, background: ['#3a424e', '#16191e'], detail: null, budget: null, samples: null,
       quality: 90, subsampling: '4:2:0',
     },
   };

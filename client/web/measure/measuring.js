@@ -88,6 +88,8 @@ export class Measuring {
     this.#replaced = undefined;
     if (!isActive) {
       this.#selected = undefined;
+      this.#marks.point(undefined);
+      document.body.classList.remove('aiming');
       find('picture').focus({ preventScroll: true, focusVisible: false });
     }
     this.#show();

@@ -87,7 +87,7 @@ export const measure = {
 
   coordinates: {
     about: (place) => `≈ ${place}`,
-    exact: (place, step) => `${place} · point of the scan, exact to ${step}`,
+    exact: (place, step) => `${place} · exact to ${step}`,
   },
 
   messages: {

@@ -13,6 +13,7 @@ set(SCANCAST_WEB_FILES
     connection/server.js
     connection/session.js
     connection/stores.js
+    measure/answers.js
     measure/coordinates.js
     measure/draft.js
     measure/export.js

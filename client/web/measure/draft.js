@@ -5,12 +5,14 @@ import { kinds } from './values.js';
 export class Draft {
   kind;
   up;
+  option; // how the server is to compute it
   /** { at, step, more, pending }: `at` undefined while nobody knows it. */
   places = /** @type {{ at: number[], step: number, more: any, pending: boolean }[]} */ ([]);
   /** No more points are wanted; it is a measure as soon as all of them are found. */
   closing = false;
 
-  constructor(kind, up) {
+  constructor(kind, up, option = undefined) {
+    this.option = option;
     this.kind = kind;
     this.up = up;
   }
@@ -55,6 +57,7 @@ export class Draft {
     if (places.length < least) return undefined;
     return {
       kind: this.kind, up: this.up, visible: true, points: places.map(({ at }) => at), step: Math.max(...places.map(({ step }) => step)),
+      ...(this.option === undefined ? {} : { option: this.option }),
       ...(this.kind === 'point' ? { more: places[0].more } : {}),
     };
   }

@@ -19,7 +19,7 @@ function field(text) {
   return /[",\n\r]/.test(plain) ? `"${plain.replaceAll('"', '""')}"` : plain;
 }
 
-const unitNameOf = ({ quantity }, own) => (quantity === 'angle' ? 'degree' : own && (quantity === 'area' ? `${own}2` : own));
+const unitNameOf = ({ quantity }, own) => (quantity === 'angle' ? 'degree' : own && `${own}${{ area: 2, volume: 3 }[quantity] ?? ''}`);
 
 /** One row for each point, with what it belongs to; `words`: the kinds' names. */
 export function csvOf(list, cloud, words) {
@@ -74,7 +74,7 @@ export function dxfOf(list, cloud, kindWords, shownUnit) {
         at(point);
       }
     }
-    if (measure.kind === 'circle') polyline(layer, drawn[0].slice(0, -1), true);
+    if (measure.kind === 'circle' || (measure.kind === 'cylinder' && measure.answer)) for (const line of drawn) polyline(layer, line.slice(0, -1), true);
     else if (points.length > 1) polyline(layer, points, kinds[measure.kind].closed === true);
     const spread = Math.max(...[0, 1, 2].map((axis) => Math.max(...points.map((one) => one[axis])) - Math.min(...points.map((one) => one[axis]))));
     const main = mainOf(measure);
@@ -90,7 +90,7 @@ export function dxfOf(list, cloud, kindWords, shownUnit) {
 
 function geometryOf({ kind, points }) {
   if (points.length === 1) return { type: 'Point', coordinates: points[0] };
-  if (kind === 'area') return { type: 'Polygon', coordinates: [[...points, points[0]]] };
+  if (kinds[kind].closed) return { type: 'Polygon', coordinates: [[...points, points[0]]] };
   return kind === 'circle' ? { type: 'MultiPoint', coordinates: points } : { type: 'LineString', coordinates: points };
 }
 

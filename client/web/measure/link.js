@@ -2,11 +2,11 @@
 //
 // One is its kind's letter, `y` or `n` where Y or -Y is up, `h` where it is hidden, the number of digits behind the point, and then
 // whole numbers to base 36 between dots: coordinates in units of the last digit, the first point's, then differences from the point before.
-// Behind `*` its name, where it has one of its own. Whole numbers of that size are exact, and so are the coordinates.
+// Behind `!` how the server is to compute it, behind `*` its name, where it has one of its own. Whole numbers of that size are exact, and so are the coordinates.
 
-import { kinds } from './values.js';
+import { bases, isOptionOf, kinds } from './values.js';
 
-const letters = { point: 'p', distance: 'd', horizontal: 'w', height: 'h', angle: 'a', area: 'f', circle: 'c' };
+const letters = { point: 'p', distance: 'd', horizontal: 'w', height: 'h', angle: 'a', area: 'f', circle: 'c', volume: 'v', cylinder: 't' };
 const kindOf = Object.fromEntries(Object.entries(letters).map(([kind, letter]) => [letter, kind]));
 const ups = { z: '', y: 'y', '-y': 'n' };
 const mostDigits = 9;
@@ -36,12 +36,12 @@ function rounded(numbers) {
 const escaped = (name) => encodeURIComponent(name).replace(/[~*.]/g, (one) => `%${one.charCodeAt(0).toString(16)}`);
 
 /** `usualNames`: those that need no saying, each kind's own word. */
-function wordOf({ kind, points, up = 'z', visible = true, name = '' }, usualNames) {
+function wordOf({ kind, points, up = 'z', visible = true, name = '', option = undefined }, usualNames) {
   const { decimals, values } = rounded(points.flat());
   const whole = values.map((one) => Math.round(one * 10 ** decimals));
   const steps = whole.map((one, i) => (i < 3 ? one : one - whole[i - 3]).toString(36));
   const isUsual = name === '' || new RegExp(`^${usualNames[kind]} \\d+$`).test(name);
-  return `${letters[kind]}${ups[up]}${visible ? '' : 'h'}${decimals}.${steps.join('.')}${isUsual ? '' : `*${escaped(name)}`}`;
+  return `${letters[kind]}${ups[up]}${visible ? '' : 'h'}${decimals}.${steps.join('.')}${option === undefined ? '' : `!${option}`}${isUsual ? '' : `*${escaped(name)}`}`;
 }
 
 /** { word: '' or 'measures=…', left }: `left` are those for which there is no more room in an address that has `taken` characters. */
@@ -58,10 +58,17 @@ export function printMeasures(list, usualNames, taken = 0) {
   return { word: text && `${word}=${encodeURIComponent(text)}`, left: list.length - count };
 }
 
-const pattern = /^([a-z])([yn]?)(h?)(\d)((?:\.-?[0-9a-z]{1,11})+)(?:\*(.*))?$/;
+const pattern = /^([a-z])([yn]?)(h?)(\d)((?:\.-?[0-9a-z]{1,11})+)(?:!(lowest|mean|fit|-?[\d.e+-]{1,24}))?(?:\*(.*))?$/;
+
+/** As it stands in an address; undefined where that kind has no such one. */
+function optionOf(kind, text) {
+  if (text === undefined) return undefined;
+  const option = bases.includes(text) ? text : Number(text);
+  return isOptionOf(kind, option) ? option : undefined;
+}
 
 function measureOf(text) {
-  const [, letter, up, hidden, digits, numbers, name] = pattern.exec(text) ?? [];
+  const [, letter, up, hidden, digits, numbers, how, name] = pattern.exec(text) ?? [];
   const kind = kindOf[letter];
   const whole = numbers?.slice(1).split('.').map((one) => parseInt(one, 36));
   if (!kind || whole.length % 3 !== 0) return undefined;
@@ -77,7 +84,9 @@ function measureOf(text) {
   } catch {
     // An escape that is none: it has no name of its own, then.
   }
-  return { kind, points, step: 1 / factor, up: { y: 'y', n: '-y' }[up] ?? 'z', visible: hidden === '', name: own };
+  const option = optionOf(kind, how);
+  if (how !== undefined && option === undefined) return undefined;
+  return { kind, points, ...(option === undefined ? {} : { option }), step: 1 / factor, up: { y: 'y', n: '-y' }[up] ?? 'z', visible: hidden === '', name: own };
 }
 
 /** The measures that an address's hash names; what is none is left out. */

@@ -63,7 +63,13 @@ export class Measures extends EventTarget {
 
   change(id, changes) {
     if (!this.find(id)) return;
-    this.#step(this.#list.map((one) => (one.id === id ? { ...one, ...changes } : one)));
+    const isOther = 'points' in changes || 'option' in changes; // of which the server has said nothing yet
+    this.#step(this.#list.map((one) => (one.id === id ? { ...one, ...(isOther ? { answer: undefined, trouble: undefined } : {}), ...changes } : one)));
+  }
+
+  /** What is known of that very measure, and nobody did: no step to take back. */
+  tell(measure, facts) {
+    if (this.find(measure.id) === measure) this.#put(this.#list.map((one) => (one === measure ? { ...one, ...facts } : one)));
   }
 
   /** A measure without that point; without the measure, where too few are left. */

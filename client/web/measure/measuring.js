@@ -5,6 +5,7 @@ import { deviceStore } from '../connection/stores.js';
 import { strings } from '../page/strings.js';
 import { fit, radiusOf } from '../view/camera.js';
 import { usualUpAxis } from '../view/usual.js';
+import { Answers } from './answers.js';
 import { axesText, Coordinates } from './coordinates.js';
 import { Draft, moreOf, stepOf } from './draft.js';
 import { Hand } from './hand.js';
@@ -67,12 +68,13 @@ export class Measuring {
       cancel: () => this.#cancel(), undo: () => this.#measures.undo(), redo: () => this.#measures.redo(), select: (id) => this.#select(id),
       change: (id, changes) => this.#measures.change(id, changes), zoom: (id) => this.#zoom(id), copy: (id) => this.#copy(id),
       remove: (id) => this.#remove(id), again: (id, index) => this.#again(id, index), removePoint: (id, index) => this.#measures.removePoint(id, index),
-      close: () => this.activate(false),
+      tell: (id, facts) => this.#tell(id, facts), close: () => this.activate(false),
     });
     this.#keeping = new Keeping(viewer, this.#measures, {
       overlays: page.overlays, hash: page.hash, unit: () => this.#shownUnit, setUnit: (unit) => this.#setUnit(unit), opened: () => this.activate(true),
     });
     this.#measures.addEventListener('change', () => this.#changed());
+    new Answers(viewer, this.#measures);
     viewer.addEventListener('cloud', ({ detail }) => this.#cloudShown(detail));
   }
 
@@ -164,9 +166,15 @@ export class Measuring {
     this.#place(cursor);
   }
 
+  /** How near to a point those of its cylinder are at first: some spacings of the scan, and as far as a column is thick. */
+  get #usualWithin() {
+    const { factor } = unitOf(this.#cloud?.crsUnit, 'm');
+    return Number(Math.max(10 * (this.#cloud?.spacing ?? 0), 0.25 / factor).toPrecision(2));
+  }
+
   /** The next point, at the cursor. */
   async #place(cursor) {
-    const draft = this.#draft ?? new Draft(this.#kind, usualUpAxis(this.#viewer.cloud));
+    const draft = this.#draft ?? new Draft(this.#kind, usualUpAxis(this.#viewer.cloud), this.#kind === 'cylinder' ? this.#usualWithin : undefined);
     if (!this.#cloud || !draft.takesMore) return;
     this.#draft = draft;
     this.#selected = undefined;
@@ -303,6 +311,11 @@ export class Measuring {
     this.#replaced = { id, index };
     this.#show();
     find('picture').focus({ preventScroll: true, focusVisible: false });
+  }
+
+  #tell(id, facts) {
+    const measure = this.#measures.find(id);
+    if (measure) this.#measures.tell(measure, facts);
   }
 
   #remove(id) {

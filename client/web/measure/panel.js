@@ -7,7 +7,7 @@ import { element } from '../page/parameter_fields.js';
 import { strings } from '../page/strings.js';
 import { stepText } from './coordinates.js';
 import { measuresLengths, placeText, unitOf, unitsFor, valueText } from './units.js';
-import { crossesItself, kinds, valuesOf } from './values.js';
+import { bases, crossesItself, kinds, valuesOf } from './values.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
@@ -34,7 +34,7 @@ export class Panel {
 
   /**
    * `does`: kind(kind), unit(unit), finish(), takeBack(), cancel(), undo(), redo(), select(id or undefined), change(id, changes), zoom(id),
-   * copy(id), remove(id), again(id, index), removePoint(id, index), close().
+   * copy(id), remove(id), again(id, index), removePoint(id, index), tell(id, facts), close().
    */
   constructor(does) {
     this.#does = does;
@@ -140,6 +140,26 @@ export class Panel {
     return row;
   }
 
+  /** How the server is to compute it; lengths are in the scan's unit, as coordinates are. */
+  #option({ id, kind, option, answer }) {
+    const change = (value) => this.#does.change(id, { option: value });
+    const number = element('input', { type: 'number', step: 'any', value: String(typeof option === 'number' ? option : answer?.base?.at?.[2] ?? '') });
+    number.dataset.key = `number-${id}`;
+    number.setAttribute('aria-label', kind === 'volume' ? words.baseHeight : words.within);
+    number.addEventListener('change', () => Number.isFinite(number.valueAsNumber) && (kind === 'volume' || number.valueAsNumber > 0) && change(number.valueAsNumber));
+    if (kind === 'cylinder') return element('label', { className: 'row' }, element('span', { textContent: words.within }), number);
+    const chosen = typeof option === 'number' ? 'height' : option ?? 'lowest';
+    const select = element('select', {}, ...[...bases, 'height'].map((value) => element('option', { value, textContent: words.bases[value], selected: value === chosen })));
+    select.dataset.key = `base-${id}`;
+    select.setAttribute('aria-label', words.base);
+    number.hidden = chosen !== 'height';
+    select.addEventListener('change', () => {
+      if (select.value === 'height') change(Number(number.value) || 0);
+      else change(select.value);
+    });
+    return element('div', { className: 'row' }, element('span', { textContent: words.base }), select, number);
+  }
+
   #details(measure, shown) {
     const { id, kind, name, points, step, more } = measure;
     const does = this.#does;
@@ -148,8 +168,10 @@ export class Panel {
     field.addEventListener('change', () => does.change(id, { name: field.value.trim() || name }));
     const values = valuesOf(measure);
     const notes = [];
-    if (values.length === 0 && kind !== 'point') notes.push(words.noValue);
-    if (kind === 'area' && crossesItself(points)) notes.push(words.crosses);
+    const { asks, closed } = kinds[kind];
+    if (asks && !measure.answer) notes.push(measure.trouble === undefined ? words.asking : words.asked(measure.trouble));
+    else if (values.length === 0 && kind !== 'point') notes.push(words.noValue);
+    if (closed && crossesItself(points)) notes.push(words.crosses);
     const places = points.map((point, index) => {
       const again = this.#button(`again-${id}-${index}`, { textContent: words.placeAgain, title: words.placeAgainLabel(index + 1), className: 'small' }, () => does.again(id, index));
       again.setAttribute('aria-label', words.placeAgainLabel(index + 1));
@@ -161,10 +183,12 @@ export class Panel {
     return element('div', { className: 'details' },
       element('label', { className: 'row' }, element('span', { textContent: words.name }), field),
       facts([...values.map((value) => [words.values[value.name], valueText(value, shown)]), ...attributePairs(more)]),
+      ...(asks ? [this.#option(measure)] : []),
       ...notes.map((text) => element('p', { className: 'note warning', textContent: text })),
       element('ol', { ariaLabel: words.points }, ...places),
       element('p', { className: 'note', textContent: step > 0 ? words.step(stepText(step, this.#cloud ?? {})) : '' }),
       element('div', { className: 'buttons' },
+        ...(asks && (measure.trouble !== undefined || measure.answer) ? [this.#button(`ask-${id}`, { textContent: words.askAgain }, () => does.tell(id, { answer: undefined, trouble: undefined }))] : []),
         this.#button(`zoom-${id}`, { textContent: words.zoom }, () => does.zoom(id)),
         this.#button(`copy-${id}`, { textContent: words.copy }, () => does.copy(id)),
         this.#button(`remove-${id}`, { textContent: words.remove }, () => does.remove(id))));

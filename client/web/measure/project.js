@@ -2,7 +2,7 @@
 // may come from anywhere, so everything is checked, and what is wrong is named; what a later version added is kept. Pure.
 
 import { mostMeasures } from './measures.js';
-import { kinds } from './values.js';
+import { isOptionOf, kinds } from './values.js';
 
 export const format = 'scancast-project';
 const version = 1;
@@ -18,8 +18,8 @@ export class ProjectError extends Error {}
 
 /** `kept`: what else a file said that was opened, and this page does not know. */
 export function printProject({ cloud, view, unit, measures, kept = {} }) {
-  const written = measures.map(({ name, kind, visible, up, points, step, more }) => ({
-    name, kind, ...(visible ? {} : { visible }), ...(up === 'z' ? {} : { up }), step, points, ...(more ? { more } : {}),
+  const written = measures.map(({ name, kind, visible, up, points, step, more, option }) => ({
+    name, kind, ...(visible ? {} : { visible }), ...(up === 'z' ? {} : { up }), step, points, ...(option === undefined ? {} : { option }), ...(more ? { more } : {}),
   }));
   const { id, title, revision, crsName, crsUnit, crsEpsg } = cloud;
   const about = Object.fromEntries(Object.entries({ id, title, revision, crsName, crsUnit, crsEpsg }).filter(([, value]) => value));
@@ -42,7 +42,7 @@ function moreOf(more, where) {
 
 function measureOf(one, where) {
   check(isObject(one), `${where} is no measure.`);
-  const { kind, name = '', visible = true, up = 'z', step = 0, points, more } = one;
+  const { kind, name = '', visible = true, up = 'z', step = 0, points, more, option } = one;
   check(typeof kind === 'string' && Object.hasOwn(kinds, kind), `${where}.kind: there is no kind ${JSON.stringify(kind)?.slice(0, 40)}; there are ${Object.keys(kinds).join(', ')}.`);
   check(isText(name, longestName), `${where}.name is no text of up to ${longestName} letters.`);
   check(typeof visible === 'boolean', `${where}.visible is neither true nor false.`);
@@ -55,8 +55,10 @@ function measureOf(one, where) {
   points.forEach((point, i) => check(
     Array.isArray(point) && point.length === 3 && point.every((value) => typeof value === 'number' && Math.abs(value) <= farthest),
     `${where}.points[${i}] is no point: three finite numbers, x, y and z.`));
+  check(option === undefined || isOptionOf(kind, option), `${where}.option is none that a measure of the kind ${kind} has.`);
+  check(kind !== 'cylinder' || option !== undefined, `${where}.option is missing: how near to its point a cylinder's points are.`);
   const facts = moreOf(more, where);
-  return { kind, name, visible, up, step, points, ...(facts ? { more: facts } : {}) };
+  return { kind, name, visible, up, step, points, ...(option === undefined ? {} : { option }), ...(facts ? { more: facts } : {}) };
 }
 
 /**

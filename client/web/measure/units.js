@@ -37,9 +37,9 @@ const digits = (value, decimals) =>
 /** "12.345 m", "1,234.6 m²", "90.0°": a value of valuesOf() in that unit. */
 export function valueText({ quantity, value, error }, { factor, name }) {
   if (quantity === 'angle') return `${digits(value, Math.min(2, decimalsFor(error)))}°`;
-  const power = quantity === 'area' ? 2 : 1;
+  const power = { area: 2, volume: 3 }[quantity] ?? 1;
   const text = digits(value * factor ** power, decimalsFor(error * factor ** power));
-  return name ? `${text} ${name}${power === 2 ? '²' : ''}` : text;
+  return name ? `${text} ${name}${['', '²', '³'][power - 1]}` : text;
 }
 
 /** "389,459.271  5,819,743.970  45.426" in the scan's own unit, whatever others are shown in. */

@@ -1,13 +1,14 @@
 // What is measured: of points of the scan, the lengths, areas and angles between them, how exact they are, and what of them is
 // drawn. Pure, in the scan's own coordinates and unit.
 //
-// A measure is { id, kind, name, points, step, up, visible, more }: `points` [x, y, z] as they stand in the file, `step` the
-// coarsest step of the grid that they lie on, `up` 'z', 'y' or '-y', `more` what the server tells of a single point. It is never
-// changed; another one takes its place (measures.js).
+// A measure is { id, kind, name, points, step, up, visible, more, option, answer }: `points` [x, y, z] as they stand in the file, `step` the
+// coarsest step of the grid that they lie on, `up` 'z', 'y' or '-y', `more` what the server tells of a single point. Of kinds
+// that only the server can compute, `option` says how - a volume's base, how near to a cylinder's point its points are - and `answer` is
+// what it said (answers.js). A measure is never changed; another one takes its place (measures.js).
 
-import { add, dot, length, mix, scale, subtract } from '../view/vectors.js';
+import { add, areNumbers, dot, length, mix, scale, subtract } from '../view/vectors.js';
 
-/** How many points each kind has; `closed`: from the last one back to the first. */
+/** How many points each kind has; `closed`: from the last one back to the first; `asks`: the server computes it, of the scan's points. */
 export const kinds = {
   point: { least: 1, most: 1 },
   distance: { least: 2, most: 500 },
@@ -16,7 +17,16 @@ export const kinds = {
   angle: { least: 3, most: 3 },
   area: { least: 3, most: 500, closed: true },
   circle: { least: 3, most: 3 },
+  volume: { least: 3, most: 500, closed: true, asks: true },
+  cylinder: { least: 1, most: 1, asks: true },
 };
+
+/** What a volume may stand on, but for a height: the lowest corner, the mean of the corners, the plane through them. */
+export const bases = ['lowest', 'mean', 'fit'];
+
+/** Whether that says how the server is to compute a measure of that kind. */
+export const isOptionOf = (kind, option) =>
+  (kind === 'volume' && (bases.includes(option) || Number.isFinite(option))) || (kind === 'cylinder' && Number.isFinite(option) && option > 0);
 
 const ups = { z: [0, 0, 1], y: [0, 1, 0], '-y': [0, -1, 0] };
 export const upOf = ({ up }) => ups[up] ?? ups.z;
@@ -71,13 +81,14 @@ export function crossesItself(points) {
 const value = (name, quantity, number, error) => ({ name, quantity, value: number, error });
 
 /**
- * What a measure comes to, the main one first: [{ name, quantity, value, error }], `quantity` 'length', 'area' or 'angle' (degrees),
- * `error` what the grid of the coordinates leaves open. Empty while it has too few points, or where they make no such figure.
+ * What a measure comes to, the main one first: [{ name, quantity, value, error }], `quantity` 'length', 'area', 'volume' or 'angle'
+ * (degrees), `error` what the grid of the coordinates leaves open. Empty while the server has not answered, while it has too few points, or where they make no such figure.
  */
 export function valuesOf(measure) {
-  const { kind, points, step = 0 } = measure;
+  const { kind, points, step = 0, answer } = measure;
   const { least, closed = false } = kinds[kind];
   if (points.length < least || kind === 'point') return [];
+  if (kinds[kind].asks) return answer ? answeredBy(kind, answer, step) : [];
   const up = upOf(measure);
   const [a, b, c] = points;
   const lengthOf = (name, number, error = step) => value(name, 'length', number, error);
@@ -112,6 +123,16 @@ export function valuesOf(measure) {
   }
 }
 
+/** The same of what the server said. */
+function answeredBy(kind, answer, step) {
+  const lengthOf = (name, number, error = step) => value(name, 'length', number, error);
+  const found = kind === 'volume'
+    ? ['net', 'above', 'below'].map((name) => value(name, 'volume', answer[name], 5e-4 * Math.max(answer.above, answer.below)))
+      .concat(['area', 'uncovered'].map((name) => value(name === 'area' ? 'flatArea' : name, 'area', answer[name], 5e-4 * answer.area)))
+    : [lengthOf('radius', answer.radius), lengthOf('diameter', 2 * answer.radius), lengthOf('seenLength', answer.length), lengthOf('spread', answer.rms, answer.rms / 20)];
+  return found.filter(({ value: number }) => Number.isFinite(number));
+}
+
 /** `count` + 1 points of an arc about `center`, from `u` towards `v`, which are perpendicular and as long as its radius. */
 const arc = (center, u, v, angle, count) =>
   Array.from({ length: count + 1 }, (_, i) => add(center, add(scale(u, Math.cos((angle * i) / count)), scale(v, Math.sin((angle * i) / count)))));
@@ -136,6 +157,23 @@ function middleOf(points) {
   return points[0];
 }
 
+/** The corners of a volume's base, straight below or above the points; undefined where it is not known. */
+function baseUnder(points, base) {
+  if (!areNumbers(base?.at)) return undefined;
+  const [along, across] = areNumbers(base.slope, 2) ? base.slope : [0, 0];
+  return points.map(([x, y]) => [x, y, base.at[2] + along * (x - base.at[0]) + across * (y - base.at[1])]);
+}
+
+/** A fitted cylinder's two ends, and its axis. */
+function cylinder({ center, axis, radius, length: long }, figure) {
+  if (!areNumbers(center) || !areNumbers(axis) || !(radius > 0)) return figure;
+  const along = unit(axis);
+  const aside = unit(cross(along, Math.abs(along[0]) < 0.8 ? [1, 0, 0] : [0, 1, 0]));
+  const ends = [-0.5, 0.5].map((share) => add(center, scale(along, share * (long > 0 ? long : 0))));
+  const circles = ends.map((end) => arc(end, scale(aside, radius), scale(cross(along, aside), radius), 2 * Math.PI, 48));
+  return { ...figure, lines: circles, helpers: [ends, ...[0, 12, 24, 36].map((i) => [circles[0][i], circles[1][i]])], label: ends[1] };
+}
+
 const middle = (points) => scale(points.reduce(add), 1 / points.length);
 
 /**
@@ -148,6 +186,7 @@ export function figureOf(measure) {
   const up = upOf(measure);
   const [a, b] = points;
   const figure = { lines: [points], helpers: /** @type {number[][][]} */ ([]), label: points.at(-1), legs: /** @type {{ at: number[], length: number }[]} */ ([]) };
+  if (kind === 'cylinder' && measure.answer) return cylinder(measure.answer, figure);
   if (points.length < 2) return figure;
   if (kind === 'distance') {
     // Where the legs have their own, the whole stands at the end.
@@ -169,6 +208,11 @@ export function figureOf(measure) {
     figure.label = figure.helpers[0][12] ?? b;
   } else if (kind === 'area') {
     figure.lines = [points.length > 2 ? [...points, a] : points];
+    figure.label = middle(points);
+  } else if (kind === 'volume') {
+    const onBase = baseUnder(points, measure.answer?.base);
+    figure.lines = [points.length > 2 ? [...points, a] : points];
+    figure.helpers = onBase ? [[...onBase, onBase[0]], ...points.map((point, i) => [point, onBase[i]])] : [];
     figure.label = middle(points);
   } else if (kind === 'circle' && points.length === 3) {
     const circle = circleThrough(points);

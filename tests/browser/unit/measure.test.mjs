@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
+import { questionOf } from '../../../client/web/measure/answers.js';
 import { Draft, stepOf } from '../../../client/web/measure/draft.js';
 import { csvOf, dxfOf, geoJsonOf, isWgs84 } from '../../../client/web/measure/export.js';
 import { parseMeasures, printMeasures } from '../../../client/web/measure/link.js';
@@ -84,6 +85,59 @@ describe('what points come to', () => {
         if (count < least) assert.deepEqual(valuesOf(made(kind, points)), []);
       }
     }
+  });
+});
+
+describe('what the server computes', () => {
+  const corners = at([0, 0, 0], [10, 0, 1], [10, 5, 2], [0, 5, 1]);
+  const answer = { above: 120, below: 20, net: 100, area: 50, uncovered: 0.5, base: { at: [far[0], far[1], far[2] - 2], slope: [0.1, 0] } };
+  it('is asked with what decides which points count, and nothing else of the view', () => {
+    const view = { classes: [2], outliers: null, clip: null, method: 'point', camera: {} };
+    assert.deepEqual(questionOf(made('volume', corners), view), { measure: 'volume', points: corners, base: 'lowest', view: { classes: [2] } });
+    assert.deepEqual(questionOf(made('cylinder', [far], { option: 0.3 }), {}), { measure: 'cylinder', points: [far], within: 0.3 });
+  });
+  it('comes to nothing before the answer, and to that then', () => {
+    assert.deepEqual(valuesOf(made('volume', corners)), []);
+    assert.deepEqual(valuesOf(made('volume', corners, { answer })).map(({ name, value }) => [name, value]), [['net', 100], ['above', 120], ['below', 20], ['flatArea', 50], ['uncovered', 0.5]]);
+    assert.equal(valueText(valuesOf(made('volume', corners, { answer }))[0], unitOf('metre', 'm')), '100.0 m³');
+    const pipe = { center: far, axis: [0, 0, 2], radius: 0.25, length: 4, rms: 0.002 };
+    assert.deepEqual(valuesOf(made('cylinder', [far], { answer: pipe })).map(({ value }) => value), [0.25, 0.5, 4, 0.002]);
+    assert.deepEqual(valuesOf(made('cylinder', [far], { answer: {} })), []);
+  });
+  it('is drawn down to its base, and as a cylinder', () => {
+    const { helpers } = figureOf(made('volume', corners, { answer }));
+    assert.equal(helpers.length, 5);
+    near(helpers[2][1][2], far[2] - 2 + 0.1 * 10);
+    const { lines } = figureOf(made('cylinder', [far], { answer: { center: far, axis: [1, 1, 0], radius: 0.25, length: 4 } }));
+    const ends = [-1, 1].map((side) => far.map((value, axis) => value + (axis < 2 ? side * Math.SQRT2 : 0)));
+    lines.forEach((line, i) => line.forEach((point) => near(Math.hypot(...point.map((value, axis) => value - ends[i][axis])), 0.25)));
+    assert.equal(figureOf(made('cylinder', [far], { answer: { center: null } })).lines[0].length, 1);
+  });
+  it('is not known of other points any more, and telling it is no step', () => {
+    const list = new Measures();
+    const id = list.add(made('volume', corners, { name: 'heap' }));
+    list.tell(list.find(id), { answer });
+    list.change(id, { name: 'pit' });
+    assert.equal(list.find(id).answer, answer);
+    list.change(id, { option: 'fit' });
+    assert.equal(list.find(id).answer, undefined);
+    list.undo();
+    list.undo();
+    assert.equal(list.find(id).name, 'heap');
+    list.tell(made('volume', corners), { answer });
+    list.undo();
+    assert.equal(list.list.length, 0);
+  });
+  it('how it is computed stands in links and files', () => {
+    const some = [made('volume', corners, { option: 'fit', name: 'heap!' }), made('volume', corners, { option: -1.5 }), made('cylinder', [far], { option: 0.25 })];
+    const read = parseMeasures(printMeasures(some, strings.measure.kinds).word);
+    assert.deepEqual(read.map(({ option, name }) => [option, name]), [['fit', 'heap!'], [-1.5, ''], [0.25, '']]);
+    assert.deepEqual(parseMeasures('#measures=t0.1.2.3!-1~t0.1.2.3!fit~d0.1.2.3.4.5.6!fit~v0.1.2.3.4.5.6!mean'), []);
+    const file = printProject({ cloud: { id: 'a' }, view: '', unit: 'm', measures: some });
+    assert.deepEqual(parseProject(file).measures.map(({ option }) => option), ['fit', -1.5, 0.25]);
+    assert.throws(() => parseProject(file.replace('"fit"', '"top"')), /option is none/);
+    assert.throws(() => parseProject(file.replace(/,\s*"option": 0.25/, '')), /option is missing/);
+    assert.ok(!file.includes('answer'));
   });
 });
 

@@ -11,7 +11,7 @@ export const measure = {
   over: 'Measurements in the picture',
   kind: 'What is measured',
   /** Short: they stand under small drawings, and "Distance 1" is a measurement's first name. */
-  kinds: { point: 'Point', distance: 'Distance', horizontal: 'Horizontal', height: 'Height', angle: 'Angle', area: 'Area', circle: 'Circle' },
+  kinds: { point: 'Point', distance: 'Distance', horizontal: 'Horizontal', height: 'Height', angle: 'Angle', area: 'Area', circle: 'Circle', volume: 'Volume', cylinder: 'Cylinder' },
   kindTips: {
     point: 'A point: its coordinates, and all that the scan says of it',
     distance: 'Distance along a line of points',
@@ -20,6 +20,8 @@ export const measure = {
     angle: 'Angle at the second of three points',
     area: 'Area within an outline',
     circle: 'Circle through three points: radius, diameter',
+    volume: 'Volume between the scan and a base, within an outline',
+    cylinder: 'Cylinder around a point: the radius of a pipe, a column, a stem',
   },
   onlyPoints: 'The coordinates of this scan are degrees: lengths cannot be measured in them.',
   /** `touch`: by fingers, who have no keys and no double-click. */
@@ -31,6 +33,8 @@ export const measure = {
     angle: (touch) => `${pressed(touch)} three points; the angle is at the second.`,
     area: (touch) => `${pressed(touch)} the corners of the outline; ${ending(touch)} closes it.`,
     circle: (touch) => `${pressed(touch)} three points on the circle.`,
+    volume: (touch) => `${pressed(touch)} the corners of the outline; ${ending(touch)} closes it.`,
+    cylinder: (touch) => `${pressed(touch)} a point of the pipe, column or stem.`,
   },
   keys: 'Backspace takes back the last point, Esc gives up, Space takes the point in the middle of the picture.',
   again: (number, touch) => `${pressed(touch)} where point ${number} is to be.${touch ? '' : ' Esc leaves it where it is.'}`,
@@ -44,11 +48,19 @@ export const measure = {
   name: 'Name',
   values: {
     length: 'Length', horizontal: 'Horizontal', rise: 'Height difference', angle: 'Angle', area: 'Area', flatArea: 'Area on the map', outline: 'Outline',
-    radius: 'Radius', diameter: 'Diameter', circumference: 'Circumference',
+    radius: 'Radius', diameter: 'Diameter', circumference: 'Circumference', net: 'Volume', above: 'Above the base', below: 'Below the base',
+    uncovered: 'Without points', seenLength: 'Length with points', spread: 'Points off by',
   },
   attributes: {
     rgb: 'Colour', intensity: 'Intensity', classification: 'Class', className: 'Class name', normal: 'Normal', precision: 'Exact to',
   },
+  asking: 'The server is computing…',
+  asked: (trouble) => trouble || 'The server is not responding.',
+  askAgain: 'Compute again',
+  base: 'Base',
+  bases: { lowest: 'Lowest corner', mean: 'Mean of the corners', fit: 'Plane through the corners', height: 'A height…' },
+  baseHeight: 'Height of the base',
+  within: 'Points within',
   noValue: 'These points make no such figure.',
   crosses: 'The outline crosses itself: its area is not what it seems.',
   step: (step) => `Points of the scan, exact to ${step}`,

@@ -33,6 +33,13 @@ render "$work/town.las" town
 render "$work/town.las" square --eye=-1,-15,2.2 --target=0,-8.6,2.4 --fov 60
 render "$work/town.las" intensity --color intensity --colormap viridis --shading eyedome
 
+# docs/clip.md.
+"$bin/scancast" generate town --points 5M -o "$work/town5.las"
+"$bin/scancast" render "$work/town5.las" -o "$root/docs/images/clip.jpg" --quality 80 --width 960 --height 400 --eye=389478,5819755,72 --target=389505,5819850,44 \
+    --fov 40 --clips='plane:389500,5819836,0,0,1,0;-box:389535,5819846,45,30,24,60,30'
+"$bin/scancast" render "$work/town5.las" -o "$root/docs/images/section.jpg" --quality 85 --width 960 --height 240 --clips='box:389500,5819800,50,240,0.6,60,20' \
+    --projection orthographic --view-height 24 --eye=389534,5819706,43 --target=389500,5819800,43 --background '#ffffff'
+
 # Geoffrey Marchal's statue of Guanyin (CC BY 4.0), where it is at hand.
 if [ -e "$scans/ply/guanyin-statue.ply" ]; then
     render "$scans/ply/guanyin-statue.ply" statue --eye=0.35,0.72,1.65 --target=0,0.62,0 --up=0,1,0 --fov 60

@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "protocol/text/grouped.hpp"
-#include "protocol/view/view_words.hpp"
 #include "renderer/cloud/export/export_points.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "server/base/byte_size.hpp"
@@ -24,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportArguments {
-    std::string input, output, format, clip, classes;
+    std::string input, output, format, clip, classes, polygon, z;
     ImporterFlags importer;
     bool normals = false, force = false, quiet = false;
 };
@@ -41,18 +40,23 @@ Expected<ExportFormat> formatOf(const ExportArguments& arguments) {
     return exportFormatOf(arguments.output);
 }
 
-/// In the grammar of views, which check them, too.
-Expected<ExportRegion> regionOf(const ExportArguments& arguments) {
-    View view;
-    if (!arguments.clip.empty())
-        if (auto ok = applyWord(view, "clip", arguments.clip); !ok) return passOn(ok);
-    if (!arguments.classes.empty())
-        if (auto ok = applyWord(view, "classes", arguments.classes); !ok) return passOn(ok);
-    ExportRegion region;
-    region.clip = view.style.clip;
-    if (view.style.classes) {
-        region.classes.emplace();
-        for (const std::uint8_t c : *view.style.classes) region.classes->set(c);
+/// In the grammar of views, which check their words, too.
+Expected<PointsRegion> regionOf(const ExportArguments& arguments) {
+    PointsRegion region;
+    for (const auto& [word, text] :
+         {std::pair("clip", &arguments.clip), std::pair("classes", &arguments.classes)})
+        if (!text->empty())
+            if (auto ok = applyRegionWord(region, word, *text); !ok) return passOn(ok);
+    if (!arguments.polygon.empty()) {
+        auto polygon = parsePlanPlaces(arguments.polygon, "polygon");
+        if (!polygon) return passOn(polygon);
+        if (auto ok = checkPolygon(*polygon); !ok) return passOn(ok);
+        region.polygon = std::move(*polygon);
+    }
+    if (!arguments.z.empty()) {
+        const auto z = parseHeights(arguments.z);
+        if (!z) return passOn(z);
+        region.z = *z;
     }
     return region;
 }
@@ -148,6 +152,7 @@ constexpr const char* exportFooter =
     "Examples:\n"
     "  scancast export town.scan -o town.las\n"
     "  scancast export town.scan -o roofs.ply --clip 389400,5819700,40,389500,5819800,90 --classes 6\n"
+    "  scancast export town.scan -o block.las --polygon '389400,5819700;389500,5819720;389480,5819800'\n"
     "  scancast export town.scan -o - --format csv | head\n"
     "  scancast ingest town.las -o town.scan --exact && scancast export town.scan -o again.las  # the same "
     "records\n";
@@ -179,6 +184,13 @@ void addExport(CLI::App& app, int& exitCode) {
         ->add_option("--clip,--box", arguments->clip,
                      "Only points inside this box, its faces included, in the file's coordinates")
         ->type_name("X0,Y0,Z0,X1,Y1,Z1");
+    command
+        ->add_option("--polygon", arguments->polygon,
+                     "Only points inside this polygon in plan, corner by corner; what it goes round twice is "
+                     "outside")
+        ->type_name("X,Y;X,Y;X,Y;...");
+    command->add_option("--z", arguments->z, "Only points between these heights, both included")
+        ->type_name("LOW,HIGH");
     command->add_option("--classes", arguments->classes, "Only these classifications: 2,6")
         ->type_name("N,N,...");
     command->add_flag("--normals", arguments->normals,

@@ -71,7 +71,7 @@ class Export : public ::testing::Test {
     }
 
     ExportReport exported(const std::shared_ptr<const CloudFile>& cloud, const std::string& name,
-                          const ExportRegion& region = {}) {
+                          const PointsRegion& region = {}) {
         const auto report = exportCloud(
             cloud, {.output = file(name).string(), .format = *exportFormatOf(name), .region = region});
         EXPECT_TRUE(report) << report.error().message;
@@ -227,7 +227,7 @@ TEST_F(Export, ARegionIsWhatLiesInIt) {
     const auto cloud = cloudOf(survey(points), plainShape);
     ASSERT_TRUE(cloud);
     const glm::dvec3 origin = cloud->facts().grid->origin, step = cloud->facts().grid->step;
-    ExportRegion region;
+    PointsRegion region;
     region.clip = ClipBox{{500'040, 5'400'030, 290}, {500'150.5, 5'400'111.25, 302}};
     region.classes.emplace().set(2).set(5);
     // Brute force over the scan's own points.

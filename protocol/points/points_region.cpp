@@ -13,7 +13,7 @@
 namespace scancast {
 namespace {
 
-constexpr std::array<std::string_view, 2> regionWords{"clip", "classes"};
+constexpr std::array<std::string_view, 3> regionWords{"clip", "clips", "classes"};
 
 const ViewWord* regionWord(std::string_view name) {
     for (const ViewWord& word : viewWords())
@@ -23,6 +23,7 @@ const ViewWord* regionWord(std::string_view name) {
 
 void take(const View& view, std::string_view word, PointsRegion& region) {
     if (word == "clip") region.clip = view.style.clip;
+    if (word == "clips") region.clips = view.style.clips;
     if (word != "classes") return;
     region.classes.reset();
     if (!view.style.classes) return;
@@ -111,10 +112,12 @@ void readRegion(FieldReader& fields, PointsRegion& region) {
     View view;
     for (const std::string_view name : regionWords) {
         const ViewWord* word = regionWord(name);
-        if (word == nullptr || !word->value.read(view, fields, name)) continue;
-        if (auto ok = word->value.check ? word->value.check(view, fields.path(name)) : Expected<void>(); !ok)
-            return fields.error(ok.error());
-        take(view, name, region);
+        if (word != nullptr && word->value.read(view, fields, name)) take(view, name, region);
+    }
+    if (auto sound = validate(view); !sound) {
+        Error error = sound.error();
+        error.field = fields.path(error.field);
+        return fields.error(error);
     }
     PlanPolygon polygon;
     if (readPlanPlaces(fields, "polygon", 3, mostPolygonCorners, polygon)) region.polygon = std::move(polygon);
@@ -135,6 +138,7 @@ nlohmann::json toJson(const PointsRegion& region) {
     nlohmann::json object = nlohmann::json::object();
     View view;
     view.style.clip = region.clip;
+    view.style.clips = region.clips;
     if (region.classes) {
         view.style.classes.emplace();
         for (unsigned c = 0; c < region.classes->size(); ++c)

@@ -26,11 +26,12 @@ inline constexpr std::size_t mostPolygonCorners = 2000;
 /// Everything that is given has to hold.
 struct PointsRegion {
     std::optional<ClipBox> clip{};              ///< its faces included
+    ClipShapes clips{};                         ///< what these leave (clip_shapes.hpp); none: everything
     std::optional<std::bitset<256>> classes{};  ///< points without a class have 0
     std::optional<PlanPolygon> polygon{};
     std::optional<std::array<double, 2>> z{};  ///< lowest and highest, both included
 
-    bool isEverything() const { return !clip && !classes && !polygon && !z; }
+    bool isEverything() const { return !clip && clips.empty() && !classes && !polygon && !z; }
 };
 
 /// Whether it is one: 3 to mostPolygonCorners corners, numbers. InvalidArgument.
@@ -40,7 +41,7 @@ Expected<void> checkPolygon(const PlanPolygon& polygon);
 Expected<std::vector<glm::dvec2>> parsePlanPlaces(std::string_view text, std::string_view field);
 /// "LOW,HIGH". InvalidArgument.
 Expected<std::array<double, 2>> parseHeights(std::string_view text);
-/// The words of a view that a region is made of - clip, classes - from their text. InvalidArgument, with the word as field.
+/// The words of a view that a region is made of - clip, clips, classes - from their text. InvalidArgument, with the word as field.
 Expected<void> applyRegionWord(PointsRegion& region, std::string_view word, std::string_view text);
 
 /// The fields of a region's object; errors are the reader's.

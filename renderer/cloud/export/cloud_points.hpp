@@ -5,6 +5,7 @@
 // The order of the points is the file's own, whatever reads it. Memory: a few leaves.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>

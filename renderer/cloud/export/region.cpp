@@ -48,6 +48,11 @@ class RegionSource final : public ForwardingSource {
 
 RegionTest::RegionTest(PointsRegion region) : region_(std::move(region)) {
     if (region_.polygon) polygon_.emplace(*region_.polygon);
+    if (region_.clips.empty()) return;
+    const ClipShape& first = region_.clips.front();
+    const auto* const half = std::get_if<HalfSpace>(&first);
+    clipsOrigin_ = half != nullptr ? half->point : std::get<TurnedBox>(first).center;
+    clips_ = clipRegions(region_.clips, clipsOrigin_);
 }
 
 bool RegionTest::contains(const glm::dvec3& p) const {
@@ -55,7 +60,8 @@ bool RegionTest::contains(const glm::dvec3& p) const {
         for (int a = 0; a < 3; ++a)
             if (p[a] < region_.clip->min[a] || p[a] > region_.clip->max[a]) return false;
     if (region_.z && (p.z < (*region_.z)[0] || p.z > (*region_.z)[1])) return false;
-    return !polygon_ || polygon_->contains(glm::dvec2(p));
+    if (polygon_ && !polygon_->contains(glm::dvec2(p))) return false;
+    return clips_.empty() || clips_.contains(p - clipsOrigin_);
 }
 
 Within RegionTest::of(const glm::dvec3& low, const glm::dvec3& high) const {
@@ -73,6 +79,11 @@ Within RegionTest::of(const glm::dvec3& low, const glm::dvec3& high) const {
         const Within plan = polygon_->of(glm::dvec2(low), glm::dvec2(high));
         if (plan == Within::Outside) return plan;
         inside = inside && plan == Within::Inside;
+    }
+    if (!clips_.empty()) {
+        const Overlap left = clips_.overlap(low - clipsOrigin_, high - clipsOrigin_);
+        if (left == Overlap::None) return Within::Outside;
+        inside = inside && left == Overlap::All;
     }
     return inside ? Within::Inside : Within::Across;
 }

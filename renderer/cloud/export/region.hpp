@@ -27,6 +27,8 @@ class RegionTest {
   private:
     PointsRegion region_;
     std::optional<PolygonTest> polygon_;
+    ClipRegions clips_;
+    glm::dvec3 clipsOrigin_{0};  ///< that clips_ count from: near what they cut
 };
 
 /// Takes out what is not in the region, of a batch with rows of so many bytes.

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportArguments {
-    std::string input, output, format, clip, classes, polygon, z;
+    std::string input, output, format, clip, clips, classes, polygon, z;
     ImporterFlags importer;
     bool normals = false, force = false, quiet = false;
 };
@@ -44,7 +44,7 @@ Expected<ExportFormat> formatOf(const ExportArguments& arguments) {
 Expected<PointsRegion> regionOf(const ExportArguments& arguments) {
     PointsRegion region;
     for (const auto& [word, text] :
-         {std::pair("clip", &arguments.clip), std::pair("classes", &arguments.classes)})
+         {std::pair("clip", &arguments.clip), std::pair("clips", &arguments.clips), std::pair("classes", &arguments.classes)})
         if (!text->empty())
             if (auto ok = applyRegionWord(region, word, *text); !ok) return passOn(ok);
     if (!arguments.polygon.empty()) {
@@ -184,6 +184,11 @@ void addExport(CLI::App& app, int& exitCode) {
         ->add_option("--clip,--box", arguments->clip,
                      "Only points inside this box, its faces included, in the file's coordinates")
         ->type_name("X0,Y0,Z0,X1,Y1,Z1");
+    command
+        ->add_option("--clips", arguments->clips,
+                     "Only points that these shapes leave, up to eight: box:CX,CY,CZ,SX,SY,SZ[,YAW[,PITCH,ROLL]], "
+                     "-box:... for what is outside, plane:PX,PY,PZ,NX,NY,NZ")
+        ->type_name("SHAPE;SHAPE;...");
     command
         ->add_option("--polygon", arguments->polygon,
                      "Only points inside this polygon in plan, corner by corner; what it goes round twice is "

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
         "  scancast-client info http://127.0.0.1:8080/\n"
         "  scancast-client snapshot http://127.0.0.1:8080/ --method cone -o town.jpg\n"
         "  scancast-client orbit http://127.0.0.1:8080/ --frames 36 -o frames/\n"
+        "  scancast-client points http://127.0.0.1:8080/ --classes 6 -o roofs.las\n"
         "  scancast-client view http://127.0.0.1:8080/\n"
         "Each subcommand has a --help of its own.\n" +
         std::string(scancast::exitCodesText));
@@ -25,6 +26,8 @@ int main(int argc, char** argv) {
     scancast::client::addOrbit(app, exitCode);
     scancast::client::addInfo(app, exitCode);
     scancast::client::addPath(app, exitCode);
+    scancast::client::addPoints(app, exitCode);
+    scancast::client::addProfile(app, exitCode);
     scancast::client::addView(app, exitCode);
     scancast::client::addBench(app, exitCode);
     try {

@@ -112,7 +112,8 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
       admission_(options_.rates, options_.costs, options_.memory),
       pictures_(scheduler),
       picker_(pictures_, scheduler, options_.version),
-      photos_(admission_, options_.memory) {}
+      photos_(admission_, options_.memory),
+      points_(options_.memory, options_.points) {}
 
 /// What routes answer, where that is more than a line. Lives as long as Api::answer(): what is answered later keeps
 /// copies.
@@ -455,6 +456,10 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
             return answers.snapshot(std::move(respond));
         case Route::Pick:
             return answers.pick(std::move(respond));
+        case Route::Points:
+            return points_.points(request, routed, answers.clouds_, std::move(respond), gone);
+        case Route::Profile:
+            return points_.profile(request, routed, answers.clouds_, std::move(respond), gone);
         case Route::GuestLinks:
             return respond(answers.guestLink());
         case Route::GuestSession:

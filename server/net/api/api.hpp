@@ -17,6 +17,7 @@
 #include "server/net/access.hpp"
 #include "server/net/api/http_message.hpp"
 #include "server/net/api/photo_answers.hpp"
+#include "server/net/points/points_answers.hpp"
 #include "server/net/api/picker.hpp"
 #include "server/net/api/router.hpp"
 #include "server/net/api/shared_pictures.hpp"
@@ -47,6 +48,7 @@ struct ApiOptions {
     std::string probesHost{};             ///< of --admin-listen; a Host there may name it
     std::string strictTransport{};        ///< of answers that go through TLS; empty = none
     std::function<RanksStats()> ranks{};  ///< for /metrics; may be empty
+    PointsOptions points{};
 };
 
 class Api {
@@ -84,6 +86,7 @@ class Api {
     void stop() {
         picker_.stop();
         photos_.stop();
+        points_.stop();
     }
 
   private:
@@ -107,6 +110,7 @@ class Api {
     std::atomic<bool> leaving_{false};
     Picker picker_;
     PhotoAnswers photos_;
+    PointsAnswers points_;
 };
 
 }  // namespace scancast

@@ -129,7 +129,8 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
         response.set("Access-Control-Expose-Headers",
                      "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
                      "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price, "
-                     "Scancast-Damaged, X-Request-Id");
+                     "Scancast-Damaged, Scancast-Points, Scancast-Losses, Scancast-Profile, Content-Disposition, "
+                     "X-Request-Id");
     }
     if (access_.isPrivate(request)) {
         for (auto& [name, value] : response.headers)

@@ -30,6 +30,8 @@ enum class Route : std::uint8_t {
     SnapshotPng,
     Snapshot,
     Pick,
+    Points,
+    Profile,
     StreamMjpeg,
     Stream,
     Sessions,
@@ -75,6 +77,9 @@ inline constexpr std::array routes{
     // Accept chooses the format.
     RouteInfo{Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST", Need::Guest, false},
     RouteInfo{Route::Pick, "/api/v1/clouds/{id}/pick", "POST", Need::Guest, true},
+    // Guests get pictures of profiles, and points where they may (points_answers.hpp).
+    RouteInfo{Route::Points, "/api/v1/clouds/{id}/points", "POST", Need::Guest, false},
+    RouteInfo{Route::Profile, "/api/v1/clouds/{id}/profile", "POST", Need::Guest, false},
     RouteInfo{Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Stream, "/api/v1/stream", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Sessions, "/api/v1/sessions", "GET, HEAD", Need::Admin, true},

@@ -20,21 +20,11 @@ bool hasHead(ExportFormat format) {
 }  // namespace
 
 PointsJob::PointsJob(std::shared_ptr<const CloudFile> file, ExportOptions options)
-    : file_(std::move(file)), options_(std::move(options)), what_(cloudPointsOptions(options_)) {
-    if (hasHead(options_.format)) survey_.emplace(file_, what_, options_.format);
-}
+    : file_(std::move(file)), options_(std::move(options)), what_(cloudPointsOptions(options_)) {}
 
 Expected<void> PointsJob::step() {
     if (done_) return {};
-    if (survey_) {
-        const auto more = survey_->step();
-        if (!more) return passOn(more);
-        if (*more) return {};
-        ahead_ = survey_->survey();
-        survey_.reset();
-        points_ = ahead_.points;
-        return ahead_.points > 0 ? Expected<void>() : nothing();
-    }
+    if (hasHead(options_.format) && !points_) return count();
     if (!source_) {
         source_ = cloudPoints(file_, what_);
         if (!points_) points_ = source_->header().points;
@@ -45,6 +35,17 @@ Expected<void> PointsJob::step() {
     if (!writer_)
         if (auto ok = begin(); !ok) return ok;
     return write();
+}
+
+Expected<void> PointsJob::count() {
+    if (!survey_) survey_ = std::make_unique<SurveyAhead>(file_, what_, options_.format);
+    const auto more = survey_->step();
+    if (!more) return passOn(more);
+    if (*more) return {};
+    ahead_ = survey_->survey();
+    survey_.reset();
+    points_ = ahead_.points;
+    return ahead_.points > 0 ? Expected<void>() : nothing();
 }
 
 Expected<void> PointsJob::begin() {

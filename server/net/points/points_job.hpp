@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "renderer/cloud/export/export_points.hpp"
@@ -38,6 +39,7 @@ class PointsJob {
     std::vector<std::byte> take() { return std::exchange(*bytes_, {}); }
 
   private:
+    Expected<void> count();
     Expected<void> begin();
     Expected<void> write();
     Expected<void> finish();
@@ -46,7 +48,7 @@ class PointsJob {
     ExportOptions options_;
     CloudPointsOptions what_;
     std::shared_ptr<std::vector<std::byte>> bytes_ = std::make_shared<std::vector<std::byte>>();
-    std::optional<SurveyAhead> survey_;  ///< until it is known
+    std::unique_ptr<SurveyAhead> survey_;  ///< while it is counted
     PointSurvey ahead_;
     std::unique_ptr<PointSource> source_;
     std::unique_ptr<ExportWriter> writer_;

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "client/cpp/program/command.hpp"
-#include "client/cpp/program/points_flags.hpp"
+#include "client/cpp/program/points/points_flags.hpp"
 #include "client/cpp/program/say.hpp"
 #include "protocol/view/view_words.hpp"
 

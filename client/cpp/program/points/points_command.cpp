@@ -1,6 +1,6 @@
 // `scancast-client points`: the points of a server's cloud, or of a part of it, as a file that other programs read.
 #include "client/cpp/program/command.hpp"
-#include "client/cpp/program/points_flags.hpp"
+#include "client/cpp/program/points/points_flags.hpp"
 
 namespace scancast::client {
 namespace {

@@ -2,7 +2,7 @@
 """How fast points leave a server: exports of all of a cloud, in each format, and profiles along a folded line of a kilometre;
 with the memory that the server had at the most. Reads and forgets, as fast as it comes.
 
-    tests/bench/points.py CLOUD.scan [--memory-limit 2G] [--most 10000000] [--rounds 3]
+    tests/bench/export/points.py CLOUD.scan [--memory-limit 2G] [--most 10000000] [--rounds 3]
 """
 import argparse
 import json
@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 
-ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..")
 sys.path.insert(0, os.path.join(ROOT, "tests", "load"))
 import serving
 

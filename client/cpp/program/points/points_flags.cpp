@@ -1,4 +1,4 @@
-#include "client/cpp/program/points_flags.hpp"
+#include "client/cpp/program/points/points_flags.hpp"
 
 #include <cstdio>
 

@@ -30,6 +30,7 @@ class StreamedRequest {
         : io_(io), stream_(stream), url_(url), timeouts_(timeouts), piece_(pieceBytes) {
         parser_.header_limit(longestStreamedHead);
         parser_.body_limit(boost::none);
+        buffer_.reserve(pieceBytes);  // as much is read at once as fits
     }
 
     Expected<void> send(const http::request<http::string_body>& request) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
+#include <limits>
 
 #include "client/cpp/http_get.hpp"
 #include "client/cpp/refusal.hpp"
@@ -29,7 +30,7 @@ class StreamedRequest {
                     const Timeouts& timeouts)
         : io_(io), stream_(stream), url_(url), timeouts_(timeouts), piece_(pieceBytes) {
         parser_.header_limit(longestStreamedHead);
-        parser_.body_limit(boost::none);
+        parser_.body_limit(std::numeric_limits<std::uint64_t>::max());
         buffer_.reserve(pieceBytes);  // as much is read at once as fits
     }
 

@@ -69,7 +69,7 @@ class PointsTest : public ServerTest {
     }
 
     const TemporaryFolder folder;
-    std::shared_ptr<BlockCache> cache = BlockCache::create({.memoryLimit = 64'000'000, .threads = 1});
+    std::shared_ptr<BlockCache> cache = BlockCache::create({.memoryLimit = 64'000'000, .threads = 1, .onDamaged = {}});
     std::shared_ptr<const CloudFile> survey;
 };
 

@@ -142,7 +142,9 @@ TEST_F(ProfilePictureTest, ColoursAreThoseOfViews) {
         } else {
             EXPECT_GE(colors.size(), 9U) << name(source);
         }
-        if (source == ColorSource::Classification) EXPECT_EQ(colors.size(), 9U);
+        if (source == ColorSource::Classification) {
+            EXPECT_EQ(colors.size(), 9U);
+        }
     }
     for (const ColorSource source : {ColorSource::Depth, ColorSource::Lod, ColorSource::Curvature, ColorSource::Infrared}) {
         request.picture.style.color = source;

@@ -47,7 +47,7 @@ class OutputFile {
     UnfinishedName temporary_;  ///< none for what is written in place
     UniqueFd owned_;            ///< none for standard output
     int file_ = -1;
-    Take take_;         ///< in place of a file
+    Take take_;  ///< in place of a file
     bool seekable_ = false;
     std::vector<std::byte> buffer_;
     std::uint64_t written_ = 0;

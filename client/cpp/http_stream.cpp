@@ -49,13 +49,15 @@ class StreamedRequest {
             auto& body = parser_.get().body();
             body.data = piece_.data();
             body.size = piece_.size();
-            auto error = run([&](auto handler) { http::async_read_some(stream_, buffer_, parser_, handler); });
+            auto error =
+                run([&](auto handler) { http::async_read_some(stream_, buffer_, parser_, handler); });
             if (error == http::error::need_buffer) error = {};
             const std::size_t bytes = piece_.size() - body.size;
             if (bytes > 0)
                 if (auto ok = take(std::span(piece_).first(bytes)); !ok) return ok;
             taken_ += bytes;
-            if (error && !isEnd(error)) return tl::unexpected(networkError(error, url_, "reading the answer"));
+            if (error && !isEnd(error))
+                return tl::unexpected(networkError(error, url_, "reading the answer"));
             if (error)
                 return fail(ErrorCode::Truncated,
                             url_.authority() + " broke its answer off after " + std::to_string(taken_) +
@@ -129,7 +131,8 @@ Expected<StreamedAnswer> httpPostStreamed(const ServerUrl& url, const std::strin
         std::string text;
         const auto keep = [&](std::span<const std::byte> bytes) -> Expected<void> {
             if (text.size() + bytes.size() > longestRefusal)
-                return fail(ErrorCode::ResourceLimit, url.authority() + " refuses with a text that is too long.");
+                return fail(ErrorCode::ResourceLimit,
+                            url.authority() + " refuses with a text that is too long.");
             text.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
             return {};
         };

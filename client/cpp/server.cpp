@@ -85,8 +85,10 @@ PointsAnswer answerOf(const StreamedAnswer& streamed) {
     const std::string said = streamed.header("Scancast-Points");
     std::uint64_t points = 0;
     const auto read = std::from_chars(said.data(), said.data() + said.size(), points);
-    if (!said.empty() && read.ec == std::errc() && read.ptr == said.data() + said.size()) answer.points = points;
-    for (std::string& loss : listOf(streamed.header("Scancast-Losses"))) answer.losses.push_back(plainLine(loss));
+    if (!said.empty() && read.ec == std::errc() && read.ptr == said.data() + said.size())
+        answer.points = points;
+    for (std::string& loss : listOf(streamed.header("Scancast-Losses")))
+        answer.losses.push_back(plainLine(loss));
     return answer;
 }
 
@@ -155,16 +157,16 @@ Expected<ProfileFacts> Server::profilePicture(const std::string& cloud, const Pr
                                          "image/png", credentials_, timeouts_, take);
     if (!answer) return passOn(answer);
     const auto malformed = [&](const std::string& why) {
-        return fail(ErrorCode::Malformed,
-                    url_.authority() + " does not say what its profile shows (" + why + "); is it a Scancast server?");
+        return fail(ErrorCode::Malformed, url_.authority() + " does not say what its profile shows (" + why +
+                                              "); is it a Scancast server?");
     };
     const auto value = parseJson(answer->header("Scancast-Profile"));
     if (!value) return malformed(value.error().message);
     ProfileFacts facts;
     FieldReader fields(*value, {}, ErrorCode::Malformed);
-    for (const auto& [name, to] : {std::pair("length", &facts.length), std::pair("left", &facts.left),
-                                   std::pair("right", &facts.right), std::pair("bottom", &facts.bottom),
-                                   std::pair("top", &facts.top)})
+    for (const auto& [name, to] :
+         {std::pair("length", &facts.length), std::pair("left", &facts.left),
+          std::pair("right", &facts.right), std::pair("bottom", &facts.bottom), std::pair("top", &facts.top)})
         if (fields.require(name) != nullptr) fields.number(name, *to);
     fields.numbers("heights", facts.heights);
     fields.integer("points", facts.points, 0, std::numeric_limits<std::uint64_t>::max());

@@ -33,7 +33,8 @@ void take(const View& view, std::string_view word, PointsRegion& region) {
 
 Expected<void> checkHeights(const std::array<double, 2>& z) {
     if (std::isfinite(z[0]) && std::isfinite(z[1]) && z[0] <= z[1]) return {};
-    return fail(ErrorCode::InvalidArgument, "z: must be the lowest and the highest height, in that order", "z");
+    return fail(ErrorCode::InvalidArgument, "z: must be the lowest and the highest height, in that order",
+                "z");
 }
 
 std::optional<glm::dvec2> placeOf(const nlohmann::json& value) {
@@ -120,10 +121,12 @@ void readRegion(FieldReader& fields, PointsRegion& region) {
         return fields.error(error);
     }
     PlanPolygon polygon;
-    if (readPlanPlaces(fields, "polygon", 3, mostPolygonCorners, polygon)) region.polygon = std::move(polygon);
+    if (readPlanPlaces(fields, "polygon", 3, mostPolygonCorners, polygon))
+        region.polygon = std::move(polygon);
     std::array<double, 2> z{};
     if (fields.findValue("z") != nullptr && fields.numbers("z", z)) {
-        if (!checkHeights(z)) return fields.error("z", "must be the lowest and the highest height, in that order");
+        if (!checkHeights(z))
+            return fields.error("z", "must be the lowest and the highest height, in that order");
         region.z = z;
     }
 }
@@ -146,7 +149,8 @@ nlohmann::json toJson(const PointsRegion& region) {
     }
     for (const std::string_view name : regionWords)
         if (const ViewWord* word = regionWord(name))
-            if (auto value = word->value.print(view); !value.is_null()) object[std::string(name)] = std::move(value);
+            if (auto value = word->value.print(view); !value.is_null())
+                object[std::string(name)] = std::move(value);
     if (region.polygon) object["polygon"] = planPlacesJson(*region.polygon);
     if (region.z) object["z"] = *region.z;
     return object;

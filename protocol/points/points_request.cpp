@@ -58,9 +58,10 @@ bool readFormat(FieldReader& fields, PointsFormat& format, bool* picture) {
     if (known)
         format = *known;
     else
-        fields.error("format", picture != nullptr ? "must be las, ply, csv, txt or png"
-                                                  : "must be las, ply, csv or txt; LAZ and COPC are made of LAS "
-                                                    "(pdal translate out.las out.laz)");
+        fields.error("format", picture != nullptr
+                                   ? "must be las, ply, csv, txt or png"
+                                   : "must be las, ply, csv or txt; LAZ and COPC are made of LAS "
+                                     "(pdal translate out.las out.laz)");
     return known.has_value();
 }
 
@@ -98,7 +99,8 @@ Expected<void> checkLine(const std::vector<glm::dvec2>& line, double width) {
         if (i == 0) continue;
         const double length = std::hypot(line[i].x - line[i - 1].x, line[i].y - line[i - 1].y);
         if (!(length > 0) || !std::isfinite(length))
-            return wrong("line", "corner " + std::to_string(i + 1) + " is the same place as the one before it");
+            return wrong("line",
+                         "corner " + std::to_string(i + 1) + " is the same place as the one before it");
     }
     if (!(width > 0) || !std::isfinite(width)) return wrong("width", "must be above 0");
     return {};
@@ -158,7 +160,8 @@ nlohmann::json toJson(const ProfileRequest& request) {
     view.style = picture.style;
     for (const std::string_view word : colorWords)
         if (const ViewWord* known = viewWord(word))
-            if (auto value = known->value.print(view); !value.is_null()) drawn[std::string(word)] = std::move(value);
+            if (auto value = known->value.print(view); !value.is_null())
+                drawn[std::string(word)] = std::move(value);
     object["picture"] = std::move(drawn);
     return object;
 }

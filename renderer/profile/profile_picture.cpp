@@ -109,7 +109,8 @@ void ProfileDrawing::draw(const PointBatch& batch) {
     for (std::size_t i = 0; i < batch.size(); ++i) {
         const std::byte* row = batch.rows.data() + i * stride;
         const double station = loadLe<double>(row), offset = loadLe<double>(row + sizeof(double));
-        const double across = station * scale_.perStation, up = (batch.position[i].z - scale_.low) * scale_.perHeight;
+        const double across = station * scale_.perStation,
+                     up = (batch.position[i].z - scale_.low) * scale_.perHeight;
         const int x = std::clamp(int(across), 0, scale_.width - 1);
         const int y = scale_.height - 1 - std::clamp(int(up), 0, scale_.height - 1);
         const std::uint64_t key = keyOf(offset, corridor_->width(), colors_.of(batch, i));
@@ -129,7 +130,8 @@ Frame ProfileDrawing::frame() const {
         std::array<std::uint8_t, 4> empty{0, 0, 0, 0};
         for (std::size_t c = 0; c < 3 && !isTransparent(); ++c) {
             const bool gradient = background_.kind == Background::Kind::Gradient;
-            empty[c] = gradient ? between(background_.top[c], background_.bottom[c], share) : background_.top[c];
+            empty[c] =
+                gradient ? between(background_.top[c], background_.bottom[c], share) : background_.top[c];
             empty[3] = 255;
         }
         for (int x = 0; x < scale_.width; ++x) {

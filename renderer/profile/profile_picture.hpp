@@ -20,9 +20,9 @@ namespace scancast {
 
 /// What the pixels of a profile's picture mean: who knows it measures in the picture.
 struct ProfileScale {
-    int width = 0, height = 0;          ///< px
+    int width = 0, height = 0;             ///< px
     double perStation = 1, perHeight = 1;  ///< px per file unit
-    double low = 0;                     ///< height of the lower edge
+    double low = 0;                        ///< height of the lower edge
     /// At the right edge; at the left it is 0.
     double lastStation() const { return width / perStation; }
     /// Height of the upper edge.

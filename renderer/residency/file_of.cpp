@@ -51,9 +51,10 @@ Expected<std::shared_ptr<const CloudFile>> fileOf(const std::shared_ptr<const Cl
         if (auto file = cloud->octree.store().cloudFile()) return file;
         if (cloud->octree.store().whole()) return std::make_shared<CloudInMemory>(cloud);
     }
-    return fail(ErrorCode::Unsupported,
-                "The points of this cloud are with other processes than this one, which can show them and not "
-                "give them away; serve its cloud file with scancast serve, or use scancast export.");
+    return fail(
+        ErrorCode::Unsupported,
+        "The points of this cloud are with other processes than this one, which can show them and not "
+        "give them away; serve its cloud file with scancast serve, or use scancast export.");
 }
 
 }  // namespace scancast

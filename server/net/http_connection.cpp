@@ -337,9 +337,10 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         watch_.cancel();
         response_ = std::move(response);
         if (response_.source && version_ < 11)
-            response_ = problemResponse(problemOf(
-                505, "This is answered in chunks, which HTTP/1.0 does not know: without them nobody could see that an "
-                     "answer was cut short. Ask by HTTP/1.1."));
+            response_ = problemResponse(problemOf(505,
+                                                  "This is answered in chunks, which HTTP/1.0 does not know: "
+                                                  "without them nobody could see that an "
+                                                  "answer was cut short. Ask by HTTP/1.1."));
         context_.api.complete(request_, route, response_, entrance_);
         inHand_.record().status = response_.status;
         inHand_.record().route = route;
@@ -406,14 +407,14 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     }
 
     void askForPart() {
-        body_->source->next([self = shared_from_this(),
-                             request = requests_](Expected<std::shared_ptr<const BodyPart>> part) {
-            asio::post(self->stream_.get_executor(), [self, request, part = std::move(part)]() mutable {
-                onBehalfOf(*self, [&] {
-                    if (self->body_ && self->requests_ == request) self->onPart(std::move(part));
+        body_->source->next(
+            [self = shared_from_this(), request = requests_](Expected<std::shared_ptr<const BodyPart>> part) {
+                asio::post(self->stream_.get_executor(), [self, request, part = std::move(part)]() mutable {
+                    onBehalfOf(*self, [&] {
+                        if (self->body_ && self->requests_ == request) self->onPart(std::move(part));
+                    });
                 });
             });
-        });
     }
 
     void onPart(Expected<std::shared_ptr<const BodyPart>> part) {
@@ -440,12 +441,13 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         }
         body.writing = true;
         watchWriting(bytes);
-        asio::async_write(stream_,
-                          std::array<asio::const_buffer, 3>{
-                              asio::buffer(body.head), asio::buffer(body.now->bytes), asio::buffer(body.tail)},
-                          handler([kept = body_](HttpConnection& self, error_code ec, std::size_t n) {
-                              self.onPartWritten(ec, n);
-                          }));
+        asio::async_write(
+            stream_,
+            std::array<asio::const_buffer, 3>{asio::buffer(body.head), asio::buffer(body.now->bytes),
+                                              asio::buffer(body.tail)},
+            handler([kept = body_](HttpConnection& self, error_code ec, std::size_t n) {
+                self.onPartWritten(ec, n);
+            }));
     }
 
     void onPartWritten(error_code ec, std::size_t bytes) {

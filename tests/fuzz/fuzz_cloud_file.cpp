@@ -6,13 +6,13 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "files/random_reader.hpp"
 #include "renderer/cloud/export/cloud_points.hpp"
 #include "renderer/cloud/export/export_writer.hpp"
 #include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
-#include "files/random_reader.hpp"
 #include "tests/support/clouds/version_one.hpp"
 
 namespace {

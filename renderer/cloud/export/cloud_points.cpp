@@ -69,8 +69,8 @@ class CloudPoints final : public PointSource {
   private:
     void chooseColumns() {
         if (options_.corridor) {
-            header_.columns.push_back({std::string(stationColumn), ColumnType::Float64, 1, 0,
-                                       "distance along the line"});
+            header_.columns.push_back(
+                {std::string(stationColumn), ColumnType::Float64, 1, 0, "distance along the line"});
             header_.columns.push_back({std::string(offsetColumn), ColumnType::Float64, 1, 0,
                                        "distance from the line, to its right"});
             alongBytes_ = 2 * sizeof(double);
@@ -119,7 +119,8 @@ class CloudPoints final : public PointSource {
     }
 
     Expected<void> checkRows(const DecodedLeaf& leaf) const {
-        if (leaf.rows.empty() || leaf.rows.size() == leaf.samples.size() * places_.front().rowBytes) return {};
+        if (leaf.rows.empty() || leaf.rows.size() == leaf.samples.size() * places_.front().rowBytes)
+            return {};
         return fail(ErrorCode::Malformed,
                     file_->path().string() +
                         " has not as many rows as samples in one of its nodes; the file is damaged");
@@ -212,8 +213,8 @@ std::unique_ptr<PointSource> cloudPoints(std::shared_ptr<const CloudFile> file,
     return cloudPoints(std::move(file), options, std::move(leaves));
 }
 
-std::unique_ptr<PointSource> cloudPoints(std::shared_ptr<const CloudFile> file, const CloudPointsOptions& options,
-                                         std::vector<WantedLeaf> leaves) {
+std::unique_ptr<PointSource> cloudPoints(std::shared_ptr<const CloudFile> file,
+                                         const CloudPointsOptions& options, std::vector<WantedLeaf> leaves) {
     return std::make_unique<CloudPoints>(std::move(file), options, std::move(leaves));
 }
 

@@ -43,8 +43,8 @@ std::array<glm::dvec3, 2> reachOf(const CloudFile& file, const Node& leaf);
 std::unique_ptr<PointSource> cloudPoints(std::shared_ptr<const CloudFile> file,
                                          const CloudPointsOptions& options = {});
 /// Of these leaves alone.
-std::unique_ptr<PointSource> cloudPoints(std::shared_ptr<const CloudFile> file, const CloudPointsOptions& options,
-                                         std::vector<WantedLeaf> leaves);
+std::unique_ptr<PointSource> cloudPoints(std::shared_ptr<const CloudFile> file,
+                                         const CloudPointsOptions& options, std::vector<WantedLeaf> leaves);
 
 struct RoundedPoints {
     std::uint64_t points =

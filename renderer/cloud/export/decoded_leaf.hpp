@@ -11,9 +11,9 @@
 namespace scancast {
 
 struct DecodedLeaf {
-    std::vector<Sample> samples;        ///< all of them
-    std::vector<glm::dvec3> places;     ///< the same, file coordinates
-    std::vector<std::byte> rows;        ///< the same, with all of the file's columns; empty where none are wanted
+    std::vector<Sample> samples;     ///< all of them
+    std::vector<glm::dvec3> places;  ///< the same, file coordinates
+    std::vector<std::byte> rows;  ///< the same, with all of the file's columns; empty where none are wanted
     std::vector<CorridorPlace> along;   ///< of those that are kept, where there is a corridor
     std::vector<std::uint32_t> kept{};  ///< which of them are wanted; of a whole leaf empty
     bool whole = false;

@@ -65,8 +65,9 @@ bool PolygonTest::contains(const glm::dvec2& p) const {
 
 Within PolygonTest::of(const glm::dvec2& low, const glm::dvec2& high) const {
     if (low.x > high_.x || high.x < low_.x || low.y > high_.y || high.y < low_.y) return Within::Outside;
-    const bool across = std::any_of(edges_.begin(), edges_.end(),
-                                    [&](const Edge& edge) { return touches(edge.low, edge.high, low, high); });
+    const bool across = std::any_of(edges_.begin(), edges_.end(), [&](const Edge& edge) {
+        return touches(edge.low, edge.high, low, high);
+    });
     if (across) return Within::Across;
     return contains((low + high) * 0.5) ? Within::Inside : Within::Outside;
 }

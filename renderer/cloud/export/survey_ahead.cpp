@@ -44,7 +44,8 @@ SurveyAhead::SurveyAhead(std::shared_ptr<const CloudFile> file, const CloudPoint
     options_.columns = returns_.has_value();
     options_.estimatedNormals = false;
     std::vector<WantedLeaf> partly;
-    for (const WantedLeaf& leaf : wantedLeaves(*file_, options_)) (leaf.whole ? whole_ : partly).push_back(leaf);
+    for (const WantedLeaf& leaf : wantedLeaves(*file_, options_))
+        (leaf.whole ? whole_ : partly).push_back(leaf);
     for (const WantedLeaf& leaf : whole_) survey_.points += file_->nodes()[leaf.node].node.sampleCount;
     if (!returns_) survey_.returns[0] = survey_.points;
     if (!partly.empty()) partly_ = cloudPoints(file_, options_, std::move(partly));
@@ -83,42 +84,51 @@ Expected<bool> SurveyAhead::countReturns() {
     return true;
 }
 
-/// Of the whole leaves the one that may reach farthest beyond what is known; none: nothing can.
-std::vector<WantedLeaf>::iterator SurveyAhead::outermost() {
-    auto found = whole_.end();
-    double most = 0;
-    for (auto leaf = whole_.begin(); leaf != whole_.end(); ++leaf) {
-        const auto bounds = outerBounds(*file_, file_->nodes()[leaf->node].node);
-        for (int a = 0; a < 3; ++a) {
-            // Before anything is known all are beyond it.
-            const double beyond = std::max(survey_.low[a] - bounds[0][a], bounds[1][a] - survey_.high[a]);
-            if (!(beyond > most)) continue;
-            most = beyond;
-            found = leaf;
-        }
+void SurveyAhead::orderBySides() {
+    read_.assign(whole_.size(), false);
+    for (int axis = 0; axis < 3; ++axis)
+        for (const bool upper : {false, true}) sides_.push_back({axis, upper, {}, 0});
+    for (std::uint32_t i = 0; i < whole_.size(); ++i) {
+        const auto bounds = outerBounds(*file_, file_->nodes()[whole_[i].node].node);
+        for (Side& side : sides_) side.reach.emplace_back(bounds[side.upper ? 1 : 0][side.axis], i);
     }
-    return found;
+    for (Side& side : sides_) {
+        std::ranges::sort(side.reach);
+        if (side.upper) std::ranges::reverse(side.reach);
+    }
 }
 
+// Side by side, those that may lie outermost first, until the next one cannot.
 Expected<bool> SurveyAhead::findBounds() {
-    const auto leaf = outermost();
-    if (leaf == whole_.end()) return false;
+    if (whole_.empty()) return false;
+    if (sides_.empty()) orderBySides();
+    for (Side& side : sides_)
+        for (; side.next < side.reach.size(); ++side.next) {
+            const auto& [reach, leaf] = side.reach[side.next];
+            const bool beyond = side.upper ? reach > survey_.high[side.axis] : reach < survey_.low[side.axis];
+            if (!beyond) break;
+            if (read_[leaf]) continue;
+            read_[leaf] = true;
+            if (auto ok = readBounds(whole_[leaf]); !ok) return passOn(ok);
+            return true;
+        }
+    return false;
+}
+
+Expected<void> SurveyAhead::readBounds(const WantedLeaf& leaf) {
     CloudPointsOptions all = options_;
     all.columns = false;
-    const auto source = cloudPoints(file_, all, {*leaf});
+    const auto source = cloudPoints(file_, all, {leaf});
     PointBatch batch;
     for (;;) {
         auto more = source->read(batch);
         if (!more) return passOn(more);
-        if (!*more) break;
+        if (!*more) return {};
         for (const glm::dvec3& p : batch.position) {
             survey_.low = glm::min(survey_.low, p);
             survey_.high = glm::max(survey_.high, p);
         }
     }
-    counted_ -= 1;
-    whole_.erase(leaf);
-    return true;
 }
 
 }  // namespace scancast

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "renderer/cloud/export/cloud_points.hpp"
@@ -13,7 +15,8 @@ namespace scancast {
 
 class SurveyAhead {
   public:
-    SurveyAhead(std::shared_ptr<const CloudFile> file, const CloudPointsOptions& options, ExportFormat format);
+    SurveyAhead(std::shared_ptr<const CloudFile> file, const CloudPointsOptions& options,
+                ExportFormat format);
 
     /// Some of the work: a batch, or a few leaves. Whether there is more. Errors: the file's.
     Expected<bool> step();
@@ -24,15 +27,24 @@ class SurveyAhead {
     Expected<bool> readPartly();
     Expected<bool> countReturns();
     Expected<bool> findBounds();
-    std::vector<WantedLeaf>::iterator outermost();
+    void orderBySides();
+    Expected<void> readBounds(const WantedLeaf& leaf);
 
     std::shared_ptr<const CloudFile> file_;
     CloudPointsOptions options_;
     bool isLas_;
     std::unique_ptr<PointSource> partly_;  ///< leaves of which points have to be looked at
-    std::vector<WantedLeaf> whole_;        ///< the others, as far as their bounds are not known
+    std::vector<WantedLeaf> whole_;        ///< the others
     std::size_t counted_ = 0;              ///< of whole_, by return
-    std::optional<std::size_t> returns_;   ///< the plane that says them
+    struct Side {
+        int axis = 0;
+        bool upper = false;
+        std::vector<std::pair<double, std::uint32_t>> reach;  ///< of whole_, which may lie outermost first
+        std::size_t next = 0;
+    };
+    std::vector<Side> sides_;             ///< once their bounds are looked for
+    std::vector<bool> read_;              ///< of whole_: their bounds are known
+    std::optional<std::size_t> returns_;  ///< the plane that says them
     PointSurvey survey_;
 };
 

@@ -11,7 +11,8 @@ namespace {
 
 /// Inside only where it is so for any class.
 Within placeOf(const CloudPointsOptions& options, const std::array<glm::dvec3, 2>& reach) {
-    if (options.corridor && options.corridor->segmentsNear(glm::dvec2(reach[0]), glm::dvec2(reach[1])).empty())
+    if (options.corridor &&
+        options.corridor->segmentsNear(glm::dvec2(reach[0]), glm::dvec2(reach[1])).empty())
         return Within::Outside;
     const Within region = options.region ? options.region->of(reach[0], reach[1]) : Within::Inside;
     return options.corridor && region == Within::Inside ? Within::Across : region;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "protocol/flags/region_flags.hpp"
 #include "protocol/text/grouped.hpp"
 #include "renderer/cloud/export/export_points.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
@@ -23,7 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportArguments {
-    std::string input, output, format, clip, clips, classes, polygon, z;
+    std::string input, output, format;
+    RegionFlags region;
     ImporterFlags importer;
     bool normals = false, force = false, quiet = false;
 };
@@ -40,27 +42,6 @@ Expected<ExportFormat> formatOf(const ExportArguments& arguments) {
     return exportFormatOf(arguments.output);
 }
 
-/// In the grammar of views, which check their words, too.
-Expected<PointsRegion> regionOf(const ExportArguments& arguments) {
-    PointsRegion region;
-    for (const auto& [word, text] :
-         {std::pair("clip", &arguments.clip), std::pair("clips", &arguments.clips), std::pair("classes", &arguments.classes)})
-        if (!text->empty())
-            if (auto ok = applyRegionWord(region, word, *text); !ok) return passOn(ok);
-    if (!arguments.polygon.empty()) {
-        auto polygon = parsePlanPlaces(arguments.polygon, "polygon");
-        if (!polygon) return passOn(polygon);
-        if (auto ok = checkPolygon(*polygon); !ok) return passOn(ok);
-        region.polygon = std::move(*polygon);
-    }
-    if (!arguments.z.empty()) {
-        const auto z = parseHeights(arguments.z);
-        if (!z) return passOn(z);
-        region.z = *z;
-    }
-    return region;
-}
-
 Expected<ExportOptions> exportOptions(const ExportArguments& arguments) {
     ExportOptions options;
     options.output = arguments.output;
@@ -68,7 +49,7 @@ Expected<ExportOptions> exportOptions(const ExportArguments& arguments) {
     const auto format = formatOf(arguments);
     if (!format) return passOn(format);
     options.format = *format;
-    auto region = regionOf(arguments);
+    auto region = arguments.region.region();
     if (!region) return passOn(region);
     options.region = std::move(*region);
     const bool text = options.format == ExportFormat::Csv || options.format == ExportFormat::Text;
@@ -180,24 +161,7 @@ void addExport(CLI::App& app, int& exitCode) {
                      "txt. Default: what the file's name says")
         ->check(CLI::IsMember({"las", "ply", "csv", "txt"}))
         ->type_name("FORMAT");
-    command
-        ->add_option("--clip,--box", arguments->clip,
-                     "Only points inside this box, its faces included, in the file's coordinates")
-        ->type_name("X0,Y0,Z0,X1,Y1,Z1");
-    command
-        ->add_option("--clips", arguments->clips,
-                     "Only points that these shapes leave, up to eight: box:CX,CY,CZ,SX,SY,SZ[,YAW[,PITCH,ROLL]], "
-                     "-box:... for what is outside, plane:PX,PY,PZ,NX,NY,NZ")
-        ->type_name("SHAPE;SHAPE;...");
-    command
-        ->add_option("--polygon", arguments->polygon,
-                     "Only points inside this polygon in plan, corner by corner; what it goes round twice is "
-                     "outside")
-        ->type_name("X,Y;X,Y;X,Y;...");
-    command->add_option("--z", arguments->z, "Only points between these heights, both included")
-        ->type_name("LOW,HIGH");
-    command->add_option("--classes", arguments->classes, "Only these classifications: 2,6")
-        ->type_name("N,N,...");
+    arguments->region.addTo(*command);
     command->add_flag("--normals", arguments->normals,
                       "Also write the normals that ingest estimated; a scan's own are always written");
     addImporterFlags(*command, arguments->importer, false);

@@ -48,10 +48,11 @@ Problem problemOfPoints(const Error& error, const std::string& path) {
                           error.code == ErrorCode::Truncated;
     if (!isOfFile) return problemOf(error, path);
     reportFault(error);
-    return problemOf(500,
-                     "The points cannot be read: what they are kept in is damaged, or out of reach. The server's "
-                     "log says more.",
-                     path);
+    return problemOf(
+        500,
+        "The points cannot be read: what they are kept in is damaged, or out of reach. The server's "
+        "log says more.",
+        path);
 }
 
 HttpResponse secret(HttpResponse response) {
@@ -112,25 +113,27 @@ PointsAnswers::PointsAnswers(TransientMemory memory, const PointsOptions& option
       places_(options.places),
       arena_(std::make_unique<Arena>()),
       worker_(options.places.all + 1) {
-    worker_.post([](const std::stop_token&) {
-        std::ignore = setpriority(PRIO_PROCESS, id_t(gettid()), politeness);
-    });
+    worker_.post(
+        [](const std::stop_token&) { std::ignore = setpriority(PRIO_PROCESS, id_t(gettid()), politeness); });
 }
 
 PointsAnswers::~PointsAnswers() = default;
 
-tl::expected<PointsAnswers::Asked, Problem> PointsAnswers::admit(const HttpRequest& request, const Routed& routed,
+tl::expected<PointsAnswers::Asked, Problem> PointsAnswers::admit(const HttpRequest& request,
+                                                                 const Routed& routed,
                                                                  const VisibleClouds& clouds,
                                                                  bool isPicture) const {
     if (routed.grant.identity.kind == IdentityKind::Guest && !isPicture && !options_.guestsMayExport)
         return tl::unexpected(
-            problemOf(403, "Guests of this server see pictures, and do not get points; whoever runs it can allow "
-                           "that (--guests-may-export)."));
+            problemOf(403,
+                      "Guests of this server see pictures, and do not get points; whoever runs it can allow "
+                      "that (--guests-may-export)."));
     auto cloud = clouds.cloud(routed.id);
     if (!cloud) return tl::unexpected(std::move(cloud.error()));
     if (const auto entry = clouds.find(routed.id); entry && entry->state == CloudState::Loading)
         return tl::unexpected(problemOf(
-            503, "This cloud is still being read, and not all of its points are there; ask again in a moment."));
+            503,
+            "This cloud is still being read, and not all of its points are there; ask again in a moment."));
     auto file = fileOf(*cloud);
     if (!file) return tl::unexpected(problemOf(file.error()));
     auto place = places_.take(request.client);
@@ -161,7 +164,8 @@ void PointsAnswers::points(const HttpRequest& request, const Routed& routed, con
     };
     const auto wanted = parsePointsRequest(request.body);
     if (!wanted) return refuse(problemOf(wanted.error()));
-    if (!accepts(request.header("accept"), mediaType(wanted->format).substr(0, mediaType(wanted->format).find(';'))))
+    if (!accepts(request.header("accept"),
+                 mediaType(wanted->format).substr(0, mediaType(wanted->format).find(';'))))
         return refuse(problemOf(406, fmt::format("Points as {} are {}, which the Accept header rules out.",
                                                  name(wanted->format), mediaType(wanted->format))));
     auto asked = admit(request, routed, clouds, false);
@@ -193,7 +197,8 @@ void PointsAnswers::profile(const HttpRequest& request, const Routed& routed, co
     if (!wanted) return refuse(problemOf(wanted.error()));
     const std::string type(wanted->format ? mediaType(*wanted->format) : pngType);
     if (!accepts(accept, type.substr(0, type.find(';'))))
-        return refuse(problemOf(406, fmt::format("This profile is {}, which the Accept header rules out.", type)));
+        return refuse(
+            problemOf(406, fmt::format("This profile is {}, which the Accept header rules out.", type)));
     auto corridor = Corridor::create(wanted->line, wanted->width);
     if (!corridor) return refuse(problemOf(corridor.error()));
     auto asked = admit(request, routed, clouds, !wanted->format);
@@ -224,7 +229,8 @@ void PointsAnswers::profile(const HttpRequest& request, const Routed& routed, co
 void PointsAnswers::begin(std::shared_ptr<Export> work) const {
     const bool posted = post([this, work](const std::stop_token&) {
         if (work->asked.isOver()) return;
-        if (auto done = arena_->run([&] { return work->job.step(); }); !done) return work->asked.refuse(done.error());
+        if (auto done = arena_->run([&] { return work->job.step(); }); !done)
+            return work->asked.refuse(done.error());
         if (!work->job.hasBegun()) return begin(work);
         HttpResponse response = std::move(work->head);
         if (const auto points = work->job.points()) response.set("Scancast-Points", std::to_string(*points));
@@ -235,7 +241,9 @@ void PointsAnswers::begin(std::shared_ptr<Export> work) const {
         work->asked.respond(std::move(response));
         work->asked.respond = {};  // which holds the connection, and that the response
     });
-    if (!posted) work->asked.respond(problemResponse(problemOf(503, "The server is shutting down.", work->asked.path)));
+    if (!posted)
+        work->asked.respond(
+            problemResponse(problemOf(503, "The server is shutting down.", work->asked.path)));
 }
 
 void PointsAnswers::produce(std::shared_ptr<Export> work, BodySource::Given given) const {
@@ -270,9 +278,9 @@ void PointsAnswers::draw(std::shared_ptr<Drawing> work) const {
             auto png = encodePng(drawing.frame(), drawing.isTransparent(), work->asked.gone);
             if (!png) return passOn(png);
             const ProfileScale& scale = drawing.scale();
-            const nlohmann::json facts{{"length", drawing.length()},    {"points", drawing.points()},
-                                       {"heights", drawing.heights()},  {"left", 0},
-                                       {"right", scale.lastStation()},  {"bottom", scale.low},
+            const nlohmann::json facts{{"length", drawing.length()},   {"points", drawing.points()},
+                                       {"heights", drawing.heights()}, {"left", 0},
+                                       {"right", scale.lastStation()}, {"bottom", scale.low},
                                        {"top", scale.high()}};
             HttpResponse response;
             response.set("Content-Type", std::string(pngType)).set("Scancast-Profile", facts.dump());
@@ -282,7 +290,9 @@ void PointsAnswers::draw(std::shared_ptr<Drawing> work) const {
         if (!answer) return work->asked.refuse(answer.error());
         work->asked.respond(std::move(*answer));
     });
-    if (!posted) work->asked.respond(problemResponse(problemOf(503, "The server is shutting down.", work->asked.path)));
+    if (!posted)
+        work->asked.respond(
+            problemResponse(problemOf(503, "The server is shutting down.", work->asked.path)));
 }
 
 }  // namespace scancast

@@ -21,7 +21,7 @@ namespace scancast {
 
 struct PointsOptions {
     WorkPlaces::Limits places{};
-    bool guestsMayExport = false;     ///< points, too; pictures they may always see
+    bool guestsMayExport = false;           ///< points, too; pictures they may always see
     std::uint64_t mostPixels = 16'000'000;  ///< of a profile's picture
 };
 
@@ -34,11 +34,11 @@ class PointsAnswers {
     /// 400; 403 for guests; 404; 406; 422 for a region without points and a cloud whose points cannot be had; 429 and 503 where
     /// too many are under way; 503 while the cloud is being read; 500 where its file is damaged. What fails later breaks the
     /// connection off, before the last chunk.
-    void points(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
-                std::stop_token gone) const;
+    void points(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds,
+                Respond respond, std::stop_token gone) const;
     /// The same; of a picture all of it is answered at once.
-    void profile(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
-                 std::stop_token gone) const;
+    void profile(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds,
+                 Respond respond, std::stop_token gone) const;
     /// Nothing is answered afterwards.
     void stop() { worker_.stop(); }
 

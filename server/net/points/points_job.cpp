@@ -83,7 +83,8 @@ std::vector<std::string> PointsJob::losses() const {
 
 std::vector<std::string> PointsJob::lateLosses() const {
     std::vector<std::string> late = writer_ ? writer_->losses() : std::vector<std::string>();
-    std::erase_if(late, [&](const std::string& one) { return std::ranges::find(early_, one) != early_.end(); });
+    std::erase_if(late,
+                  [&](const std::string& one) { return std::ranges::find(early_, one) != early_.end(); });
     return late;
 }
 

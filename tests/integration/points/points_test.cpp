@@ -33,8 +33,9 @@ class PointsTest : public ServerTest {
         std::vector<std::unique_ptr<PointSource>> sources;
         sources.push_back(std::make_unique<SyntheticSource>(
             points, make, Attributes{.color = true, .intensity = true, .classification = true}, 0.001));
-        const auto report = ingest(std::move(sources), {.output = folder / "survey.scan",
-                                                        .shape = {.leafPoints = 4096, .chunkPoints = 50'000}});
+        const auto report =
+            ingest(std::move(sources),
+                   {.output = folder / "survey.scan", .shape = {.leafPoints = 4096, .chunkPoints = 50'000}});
         EXPECT_TRUE(report) << report.error().message;
         return *CloudFile::open(folder / "survey.scan");
     }
@@ -62,14 +63,16 @@ class PointsTest : public ServerTest {
         EXPECT_TRUE(report) << report.error().message;
         return contentOf(folder / "out");
     }
-    static std::string requestFor(const std::string& target, const json& body, const std::string& version = "1.1") {
+    static std::string requestFor(const std::string& target, const json& body,
+                                  const std::string& version = "1.1") {
         const std::string text = body.dump();
         return "POST " + target + " HTTP/" + version + "\r\nHost: localhost\r\n" + sendsJson +
                "\r\nContent-Length: " + std::to_string(text.size()) + "\r\n\r\n" + text;
     }
 
     const TemporaryFolder folder;
-    std::shared_ptr<BlockCache> cache = BlockCache::create({.memoryLimit = 64'000'000, .threads = 1, .onDamaged = {}});
+    std::shared_ptr<BlockCache> cache =
+        BlockCache::create({.memoryLimit = 64'000'000, .threads = 1, .onDamaged = {}});
     std::shared_ptr<const CloudFile> survey;
 };
 
@@ -85,7 +88,8 @@ TEST_F(PointsTest, AnAnswerHasTheBytesOfAnExport) {
     same.classes.emplace().set(2).set(5);
     same.polygon = PlanPolygon{{0, 0}, {180, 20}, {100, 190}};
     same.z = {-4, 4};
-    for (const PointsFormat format : {PointsFormat::Las, PointsFormat::Ply, PointsFormat::Csv, PointsFormat::Text}) {
+    for (const PointsFormat format :
+         {PointsFormat::Las, PointsFormat::Ply, PointsFormat::Csv, PointsFormat::Text}) {
         const std::string form(name(format));
         const HttpReply all = ask({{"format", form}});
         ASSERT_EQ(all.status, 200) << all.body;
@@ -98,7 +102,8 @@ TEST_F(PointsTest, AnAnswerHasTheBytesOfAnExport) {
         ASSERT_EQ(part.status, 200) << part.body;
         EXPECT_TRUE(part.whole && part.body == exported(format, same)) << form;
         EXPECT_EQ(part.header("content-disposition"), "attachment; filename=\"survey-part." + form + "\"");
-        EXPECT_EQ(part.header("scancast-points").empty(), format == PointsFormat::Csv || format == PointsFormat::Text);
+        EXPECT_EQ(part.header("scancast-points").empty(),
+                  format == PointsFormat::Csv || format == PointsFormat::Text);
     }
 }
 
@@ -179,8 +184,10 @@ TEST_F(PointsTest, GuestsGetPicturesAndPointsWhereTheyMay) {
         server.reset();
         start();
         const auto soon = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now()) + 600;
-        const std::string link = signedToken({key.name, "one", soon, std::string(12, 'i'), std::nullopt}, key.token);
-        const json pass = json::parse(post(port(), "/api/v1/guest-session", json{{"token", link}}.dump(), {sendsJson}).body);
+        const std::string link =
+            signedToken({key.name, "one", soon, std::string(12, 'i'), std::nullopt}, key.token);
+        const json pass = json::parse(
+            post(port(), "/api/v1/guest-session", json{{"token", link}}.dump(), {sendsJson}).body);
         const std::vector<std::string> bearer{"Authorization: Bearer " + pass["token"].get<std::string>()};
         EXPECT_EQ(ask(json::object(), "points", "one", bearer).status, allowed ? 200 : 403);
         json line{{"line", {{-1, 0}, {3, 0}}}};
@@ -209,7 +216,8 @@ TEST_F(PointsTest, ADamagedBlockCutsTheAnswerShortOrIsToldAtOnce) {
     EXPECT_FALSE(cut.whole);
     EXPECT_FALSE(cut.body.empty());
     const client::Server asked(*client::parseServerUrl(server->url()));
-    const auto truncated = asked.points("fake", {.format = PointsFormat::Csv}, [](auto) { return Expected<void>(); });
+    const auto truncated =
+        asked.points("fake", {.format = PointsFormat::Csv}, [](auto) { return Expected<void>(); });
     ASSERT_FALSE(truncated);
     EXPECT_EQ(truncated.error().code, ErrorCode::Truncated) << truncated.error().message;
     file->damage(wanted.front().node);
@@ -228,8 +236,9 @@ TEST_F(PointsTest, WhoDoesNotReadIsCutOffAndKeepsNobodyWaiting) {
     ASSERT_FALSE(deaf.receive(100).empty());
     EXPECT_EQ(ask({{"format", "las"}}).status, 200) << "others are served meanwhile";
     EXPECT_TRUE(eventually([&] { return metric("scancast_slow_readers_total").ends_with(" 1"); }));
-    EXPECT_TRUE(eventually([&] { return metric("scancast_transient_bytes{use=\"answers\"}").ends_with(" 0"); }))
-        << metric("scancast_transient_bytes{use=\"answers\"}");
+    EXPECT_TRUE(eventually([&] {
+        return metric("scancast_transient_bytes{use=\"answers\"}").ends_with(" 0");
+    })) << metric("scancast_transient_bytes{use=\"answers\"}");
 }
 
 TEST_F(PointsTest, WhoLeavesEndsTheWorkAndOneClientMayNotHaveItAll) {
@@ -248,7 +257,8 @@ TEST_F(PointsTest, WhoLeavesEndsTheWorkAndOneClientMayNotHaveItAll) {
     waiting.clear();
     file->setOpen(true);
     EXPECT_TRUE(eventually([&] { return ask({{"format", "csv"}}, "points", "slow").status == 200; }));
-    EXPECT_TRUE(eventually([&] { return metric("scancast_transient_bytes{use=\"answers\"}").ends_with(" 0"); }));
+    EXPECT_TRUE(
+        eventually([&] { return metric("scancast_transient_bytes{use=\"answers\"}").ends_with(" 0"); }));
 }
 
 TEST_F(PointsTest, TheClientLibraryHandsItOverPieceByPiece) {
@@ -277,7 +287,8 @@ TEST_F(PointsTest, TheClientLibraryHandsItOverPieceByPiece) {
     const auto refused = asked.points("nowhere", request, take);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::NotFound);
-    const auto unwilling = asked.points("survey", request, [](auto) -> Expected<void> { return fail(ErrorCode::Io, "full"); });
+    const auto unwilling =
+        asked.points("survey", request, [](auto) -> Expected<void> { return fail(ErrorCode::Io, "full"); });
     EXPECT_EQ(unwilling.error().message, "full");
 }
 

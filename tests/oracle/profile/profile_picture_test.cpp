@@ -34,7 +34,8 @@ class ProfilePictureTest : public ::testing::Test {
     }
     void SetUp() override {
         const auto source = survey();
-        auto built = buildCloud(*source, {.title = "survey", .shape = {.leafPoints = 4096, .chunkPoints = 50'000}});
+        auto built =
+            buildCloud(*source, {.title = "survey", .shape = {.leafPoints = 4096, .chunkPoints = 50'000}});
         ASSERT_TRUE(built) << built.error().message;
         cloud = *built;
         auto file = fileOf(cloud);
@@ -82,7 +83,8 @@ TEST_F(ProfilePictureTest, EachPixelShowsThePointInFrontOfIt) {
         if (!place) continue;
         ++inside;
         const int x = std::min(int(std::floor(place->station * scale.perStation)), scale.width - 1);
-        const int up = std::min(int(std::floor((every->position[i].z - scale.low) * scale.perHeight)), scale.height - 1);
+        const int up =
+            std::min(int(std::floor((every->position[i].z - scale.low) * scale.perHeight)), scale.height - 1);
         for (int dy = 0; dy < 2; ++dy)
             for (int dx = 0; dx < 2; ++dx) {
                 const int px = x + dx, py = scale.height - 1 - up + dy;
@@ -129,14 +131,15 @@ TEST_F(ProfilePictureTest, EverythingFitsInAndTheScaleSaysWhere) {
 }
 
 TEST_F(ProfilePictureTest, ColoursAreThoseOfViews) {
-    for (const ColorSource source :
-         {ColorSource::Rgb, ColorSource::Intensity, ColorSource::Elevation, ColorSource::Classification, ColorSource::Flat}) {
+    for (const ColorSource source : {ColorSource::Rgb, ColorSource::Intensity, ColorSource::Elevation,
+                                     ColorSource::Classification, ColorSource::Flat}) {
         request.picture.style.color = source;
         request.picture.style.flatColor = {255, 0, 0};
         const Frame frame = drawn()->frame();
         std::set<std::array<std::uint8_t, 3>> colors;
         for (std::size_t p = 0; p < frame.rgba.size(); p += 4)
-            if (frame.rgba[p + 3] == 255) colors.insert({frame.rgba[p], frame.rgba[p + 1], frame.rgba[p + 2]});
+            if (frame.rgba[p + 3] == 255)
+                colors.insert({frame.rgba[p], frame.rgba[p + 1], frame.rgba[p + 2]});
         if (source == ColorSource::Flat) {
             EXPECT_EQ(colors, (std::set<std::array<std::uint8_t, 3>>{{255, 0, 0}}));
         } else {
@@ -146,7 +149,8 @@ TEST_F(ProfilePictureTest, ColoursAreThoseOfViews) {
             EXPECT_EQ(colors.size(), 9U);
         }
     }
-    for (const ColorSource source : {ColorSource::Depth, ColorSource::Lod, ColorSource::Curvature, ColorSource::Infrared}) {
+    for (const ColorSource source :
+         {ColorSource::Depth, ColorSource::Lod, ColorSource::Curvature, ColorSource::Infrared}) {
         request.picture.style.color = source;
         const auto refused = ProfileDrawing::create(*cloud, all, request, 1'000'000);
         ASSERT_FALSE(refused);

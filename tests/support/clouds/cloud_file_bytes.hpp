@@ -8,6 +8,7 @@
 #include <functional>
 #include <iterator>
 
+#include "files/random_reader.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/blocks/row_columns.hpp"
@@ -15,7 +16,6 @@
 #include "renderer/cloud/file/cloud_file_writer.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
-#include "files/random_reader.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 

@@ -341,10 +341,11 @@ TEST_F(Export, NodesOutsideAreNotReadAndThoseInsideAreNotCounted) {
     ASSERT_TRUE(cloud);
     const auto counted = std::make_shared<const CountedFile>(cloud);
     const glm::dvec3 low = cloud->facts().bounds[0];
-    const CloudPointsOptions half =
-        cloudPointsOptions({.output = {}, .region = {.clip = ClipBox{low - 1.0, low + glm::dvec3(100, 300, 300)}}});
+    const CloudPointsOptions half = cloudPointsOptions(
+        {.output = {}, .region = {.clip = ClipBox{low - 1.0, low + glm::dvec3(100, 300, 300)}}});
     const auto leaves = wantedLeaves(*cloud, half);
-    const auto whole = std::size_t(std::ranges::count_if(leaves, [](const WantedLeaf& leaf) { return leaf.whole; }));
+    const auto whole =
+        std::size_t(std::ranges::count_if(leaves, [](const WantedLeaf& leaf) { return leaf.whole; }));
     EXPECT_GT(whole, leaves.size() / 3);
     EXPECT_LT(leaves.size(), wantedLeaves(*cloud, {}).size() * 3 / 4);
     surveyAhead(counted, half, ExportFormat::Ply);
@@ -375,7 +376,8 @@ TEST_F(Export, AStreamGetsTheBytesOfAFile) {
                 return {};
             });
             const auto source = cloudPoints(cloud, what);
-            auto writer = createExport(format, std::move(to), source->header(), surveyAhead(cloud, what, format));
+            auto writer =
+                createExport(format, std::move(to), source->header(), surveyAhead(cloud, what, format));
             ASSERT_TRUE(writer);
             PointBatch batch;
             PointSurvey written;
@@ -397,7 +399,8 @@ TEST_F(Export, AProfileHasEveryPointOfItsCorridorWithAllThatWasKept) {
     const glm::dvec2 low(cloud->facts().bounds[0]), high(cloud->facts().bounds[1]);
     const auto corridor = Corridor::create({low, {high.x, low.y + 3}, high}, 6);
     ASSERT_TRUE(corridor);
-    const auto all = cloudPoints(cloud), along = cloudPoints(cloud, {.corridor = std::make_shared<const Corridor>(*corridor)});
+    const auto all = cloudPoints(cloud),
+               along = cloudPoints(cloud, {.corridor = std::make_shared<const Corridor>(*corridor)});
     const std::size_t stride = rowBytes(all->header().columns), wide = rowBytes(along->header().columns);
     ASSERT_EQ(wide, stride + 16);
     ASSERT_EQ(along->header().columns[0].name, "station");
@@ -418,7 +421,9 @@ TEST_F(Export, AProfileHasEveryPointOfItsCorridorWithAllThatWasKept) {
         std::memcpy(&offset, found->rows.data() + at * wide + 8, 8);
         ASSERT_EQ(station, place->station);
         ASSERT_EQ(offset, place->offset);
-        ASSERT_EQ(std::memcmp(found->rows.data() + at * wide + 16, everything->rows.data() + i * stride, stride), 0);
+        ASSERT_EQ(
+            std::memcmp(found->rows.data() + at * wide + 16, everything->rows.data() + i * stride, stride),
+            0);
         ++at;
     }
     EXPECT_EQ(at, found->size());

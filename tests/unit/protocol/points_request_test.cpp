@@ -14,8 +14,9 @@ TEST(PointsRequests, EverythingMayBeLeftOut) {
     ASSERT_TRUE(request) << request.error().message;
     EXPECT_EQ(request->format, PointsFormat::Las);
     EXPECT_TRUE(request->region.isEverything());
-    EXPECT_TRUE(parsePointsRequest(R"({"region": {"clip": null, "polygon": null, "z": null, "classes": null}})")
-                    ->region.isEverything());
+    EXPECT_TRUE(
+        parsePointsRequest(R"({"region": {"clip": null, "polygon": null, "z": null, "classes": null}})")
+            ->region.isEverything());
 }
 
 TEST(PointsRequests, WhatIsPrintedIsReadAgain) {
@@ -48,7 +49,8 @@ TEST(PointsRequests, WhatIsPrintedIsReadAgain) {
 TEST(PointsRequests, APictureIsMeantWhereNothingElseIsNamed) {
     EXPECT_EQ(parseProfileRequest(R"({"line": [[0, 0], [1, 0]]})")->format, PointsFormat::Csv);
     EXPECT_EQ(parseProfileRequest(R"({"line": [[0, 0], [1, 0]]})", true)->format, std::nullopt);
-    EXPECT_EQ(parseProfileRequest(R"({"line": [[0, 0], [1, 0]], "format": "las"})", true)->format, PointsFormat::Las);
+    EXPECT_EQ(parseProfileRequest(R"({"line": [[0, 0], [1, 0]], "format": "las"})", true)->format,
+              PointsFormat::Las);
 }
 
 TEST(PointsRequests, WhatIsWrongIsNamedByItsPath) {
@@ -72,7 +74,8 @@ TEST(PointsRequests, WhatIsWrongIsNamedByItsPath) {
     EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [0, 0]]})"), "line");
     EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1, 0]], "width": 0})"), "width");
     EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1, 0]], "picture": {"width": 0}})"), "picture.width");
-    EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1, 0]], "picture": {"exaggeration": 0}})"), "picture.exaggeration");
+    EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1, 0]], "picture": {"exaggeration": 0}})"),
+              "picture.exaggeration");
     EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1, 0]], "picture": {"color": "mud"}})"), "picture.color");
 }
 

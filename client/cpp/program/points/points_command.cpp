@@ -1,6 +1,7 @@
 // `scancast-client points`: the points of a server's cloud, or of a part of it, as a file that other programs read.
 #include "client/cpp/program/command.hpp"
 #include "client/cpp/program/points/points_flags.hpp"
+#include "protocol/flags/region_flags.hpp"
 
 namespace scancast::client {
 namespace {
@@ -41,7 +42,8 @@ void addPoints(CLI::App& app, int& exitCode) {
     flags->server.addTo(command);
     command
         .add_option("-o,--output", flags->output,
-                    "The file to write: LAS (.las), PLY (.ply), CSV (.csv) or text (.txt, .xyz); - for standard output")
+                    "The file to write: LAS (.las), PLY (.ply), CSV (.csv) or text (.txt, .xyz); - for "
+                    "standard output")
         ->type_name("FILE")
         ->required();
     command.add_option("--format", flags->format, "Default: what the file's name says")
@@ -50,15 +52,18 @@ void addPoints(CLI::App& app, int& exitCode) {
     command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
         ->type_name("ID");
     flags->region.addTo(command);
-    command.add_flag("--normals", flags->normals, "Also the normals that were estimated; a scan's own always come");
+    command.add_flag("--normals", flags->normals,
+                     "Also the normals that were estimated; a scan's own always come");
     command.footer(
-        "Every point comes once, exactly as the server's cloud file has it; what that has not kept is said at the "
+        "Every point comes once, exactly as the server's cloud file has it; what that has not kept is said "
+        "at the "
         "end. The file is there when it is whole, or not at all.\n"
         "Examples:\n"
         "  scancast-client points http://127.0.0.1:8080/ -o town.las\n"
         "  scancast-client points http://127.0.0.1:8080/ --cloud town --classes 6 --clip "
         "389400,5819700,40,389500,5819800,90 -o roofs.ply\n"
-        "  scancast-client points http://127.0.0.1:8080/ --polygon '389400,5819700;389500,5819720;389480,5819800' "
+        "  scancast-client points http://127.0.0.1:8080/ --polygon "
+        "'389400,5819700;389500,5819720;389480,5819800' "
         "--format csv -o - | head");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

@@ -1,20 +1,13 @@
-// Flags that `points` and `profile` share: which points, as what, and where to.
+// What `points` and `profile` share: as what points come, and where to.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
 #include "client/cpp/server.hpp"
 #include "files/output_file.hpp"
 
 namespace scancast::client {
-
-struct RegionFlags {
-    std::string clip, clips, classes, polygon, z;
-
-    void addTo(CLI::App& app);
-    Expected<PointsRegion> region() const;
-};
 
 /// By `given`, else by the end of the file's name: nullopt for PNG. InvalidArgument, Unsupported.
 Expected<std::optional<PointsFormat>> formatOfPoints(const std::string& given, const std::string& output);

@@ -4,6 +4,7 @@
 #include "client/cpp/program/command.hpp"
 #include "client/cpp/program/points/points_flags.hpp"
 #include "client/cpp/program/say.hpp"
+#include "protocol/flags/region_flags.hpp"
 #include "protocol/view/view_words.hpp"
 
 namespace scancast::client {
@@ -60,7 +61,8 @@ Expected<void> run(const ProfileFlags& flags) {
         if (auto ok = file->finish(); !ok) return ok;
         sayOn(stderr, "%s: %llu points, station %g to %g, height %g to %g\n",
               flags.output == "-" ? "standard output" : flags.output.c_str(),
-              static_cast<unsigned long long>(facts->points), facts->left, facts->right, facts->bottom, facts->top);
+              static_cast<unsigned long long>(facts->points), facts->left, facts->right, facts->bottom,
+              facts->top);
         return {};
     }
     const auto answer = server->profile(*cloud, *request, into(*file));
@@ -80,7 +82,8 @@ void addPictureFlags(CLI::App& command, ProfileFlags& flags) {
         ->type_name("PX");
     command
         .add_option("--exaggeration", flags.exaggeration,
-                    "Heights are drawn so many times as large as stations. Default: 1, or what fills the picture's height")
+                    "Heights are drawn so many times as large as stations. Default: 1, or what fills the "
+                    "picture's height")
         ->check(CLI::Range(0.001, 1000.0))
         ->type_name("TIMES");
     command.add_option("--point-size", flags.pointSize, "Side of a point's square, px")
@@ -89,14 +92,16 @@ void addPictureFlags(CLI::App& command, ProfileFlags& flags) {
         ->capture_default_str();
     for (const auto& [word, to] : {std::pair("color", &flags.color), std::pair("colormap", &flags.colormap),
                                    std::pair("background", &flags.background)})
-        command.add_option("--" + std::string(word), *to, "Of the picture, as for snapshot")->type_name("WORD");
+        command.add_option("--" + std::string(word), *to, "Of the picture, as for snapshot")
+            ->type_name("WORD");
 }
 
 }  // namespace
 
 void addProfile(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<ProfileFlags>();
-    auto& command = *app.add_subcommand("profile", "Fetch the points along a line in plan, or a picture of them");
+    auto& command =
+        *app.add_subcommand("profile", "Fetch the points along a line in plan, or a picture of them");
     flags->server.addTo(command);
     command.add_option("--line", flags->line, "Corners of the line, in the file's coordinates")
         ->type_name("X,Y;X,Y;...")
@@ -106,7 +111,8 @@ void addProfile(CLI::App& app, int& exitCode) {
         ->capture_default_str();
     command
         .add_option("-o,--output", flags->output,
-                    "The file to write: CSV (.csv), PLY (.ply), LAS (.las) or text (.txt, .xyz) of points, or a picture "
+                    "The file to write: CSV (.csv), PLY (.ply), LAS (.las) or text (.txt, .xyz) of points, "
+                    "or a picture "
                     "(.png); - for standard output")
         ->type_name("FILE")
         ->required();
@@ -116,14 +122,18 @@ void addProfile(CLI::App& app, int& exitCode) {
     command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
         ->type_name("ID");
     flags->region.addTo(command);
-    command.add_flag("--normals", flags->normals, "Also the normals that were estimated; a scan's own always come");
+    command.add_flag("--normals", flags->normals,
+                     "Also the normals that were estimated; a scan's own always come");
     addPictureFlags(command, *flags);
     command.footer(
-        "All points of the corridor come, however many there are, each with its distance along the line (station) and "
+        "All points of the corridor come, however many there are, each with its distance along the line "
+        "(station) and "
         "from it (offset, positive to its right), in the order of the server's cloud file.\n"
         "Examples:\n"
-        "  scancast-client profile http://127.0.0.1:8080/ --line '389400,5819700;389500,5819800' --width 0.5 -o street.csv\n"
-        "  scancast-client profile http://127.0.0.1:8080/ --cloud town --line '389400,5819700;389500,5819800' "
+        "  scancast-client profile http://127.0.0.1:8080/ --line '389400,5819700;389500,5819800' --width 0.5 "
+        "-o street.csv\n"
+        "  scancast-client profile http://127.0.0.1:8080/ --cloud town --line "
+        "'389400,5819700;389500,5819800' "
         "--exaggeration 2 --color classification -o street.png");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

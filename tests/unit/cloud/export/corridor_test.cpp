@@ -50,7 +50,8 @@ Found bruteForce(const std::vector<glm::dvec2>& line, const glm::dvec2& p) {
 std::vector<glm::dvec2> someLine(std::uint64_t number, const glm::dvec2& origin) {
     std::vector<glm::dvec2> line;
     for (std::uint64_t c = 0; c < 2 + number % 12; ++c)
-        line.push_back(origin + 100.0 * glm::dvec2(test::uniform(number * 100 + c, 1), test::uniform(number * 100 + c, 2)));
+        line.push_back(origin + 100.0 * glm::dvec2(test::uniform(number * 100 + c, 1),
+                                                   test::uniform(number * 100 + c, 2)));
     return line;
 }
 
@@ -68,7 +69,8 @@ TEST(Corridor, StationsAndOffsetsAreThoseOfTheNearestSegment) {
             const auto place = corridor->place(p);
             // What lies on an edge to within rounding may be either.
             if (std::abs(expected.distance - width / 2) < 1e-7) continue;
-            ASSERT_EQ(place.has_value(), !expected.isBeyond && expected.distance <= width / 2) << number << " " << i;
+            ASSERT_EQ(place.has_value(), !expected.isBeyond && expected.distance <= width / 2)
+                << number << " " << i;
             (place ? inside : outside) += 1;
             if (!place) continue;
             EXPECT_NEAR(std::abs(place->offset), double(expected.distance), 1e-7);
@@ -89,12 +91,14 @@ TEST(Corridor, SegmentsNearABoxAreEnoughForItsPoints) {
         const auto corridor = Corridor::create(line, 4);
         ASSERT_TRUE(corridor);
         for (std::uint64_t i = 0; i < 100; ++i) {
-            const glm::dvec2 low = glm::dvec2(389'390, 5'819'690) + 110.0 * glm::dvec2(test::uniform(i, 6), test::uniform(i, 7));
+            const glm::dvec2 low =
+                glm::dvec2(389'390, 5'819'690) + 110.0 * glm::dvec2(test::uniform(i, 6), test::uniform(i, 7));
             const glm::dvec2 size = 15.0 * glm::dvec2(test::uniform(i, 8), test::uniform(i, 9));
             const auto segments = corridor->segmentsNear(low, low + size);
             skipped += line.size() - 1 - segments.size();
             for (std::uint64_t q = 0; q < 20; ++q) {
-                const glm::dvec2 p = low + size * glm::dvec2(test::uniform(i * 20 + q, 10), test::uniform(i * 20 + q, 11));
+                const glm::dvec2 p =
+                    low + size * glm::dvec2(test::uniform(i * 20 + q, 10), test::uniform(i * 20 + q, 11));
                 const auto all = corridor->place(p), some = corridor->place(p, segments);
                 ASSERT_EQ(all.has_value(), some.has_value());
                 if (!all) continue;

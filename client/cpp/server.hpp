@@ -15,6 +15,7 @@
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/timeouts.hpp"
 #include "protocol/catalog.hpp"
+#include "protocol/measure/measure_request.hpp"
 #include "protocol/points/points_request.hpp"
 #include "protocol/view/query.hpp"
 
@@ -66,6 +67,12 @@ class Server {
     Expected<Snapshot> snapshot(const std::string& cloud, const WordValues& words,
                                 PictureFormat format = PictureFormat::Jpeg,
                                 const std::string& etag = {}) const;
+    /// The scan's point that a pixel of a view's picture shows, as PROTOCOL.md, "A picked point", has it: position, attributes and
+    /// all; null where nothing is. `view`: any subset of a view as JSON; x, y: px from the top left corner.
+    Expected<nlohmann::json> pick(const std::string& cloud, const nlohmann::json& view, double x,
+                                  double y) const;
+    /// Lengths, areas, volumes, fitted shapes, as PROTOCOL.md, "A measurement", has them.
+    Expected<nlohmann::json> measure(const std::string& cloud, const MeasureRequest& request) const;
 
     /// The points of a region, as a file's bytes: `take` gets them as they come, in the memory of one piece. Truncated where
     /// they break off; what take refuses with.

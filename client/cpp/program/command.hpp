@@ -19,6 +19,8 @@ void addPath(CLI::App& app, int& exitCode);
 void addPoints(CLI::App& app, int& exitCode);
 void addProfile(CLI::App& app, int& exitCode);
 void addView(CLI::App& app, int& exitCode);
+void addPick(CLI::App& app, int& exitCode);
+void addMeasure(CLI::App& app, int& exitCode);
 
 /// What every subcommand needs to know.
 struct ServerFlags {

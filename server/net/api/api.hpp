@@ -16,6 +16,7 @@
 #include "server/catalog/kept_clouds.hpp"
 #include "server/net/access.hpp"
 #include "server/net/api/http_message.hpp"
+#include "server/net/api/measurer.hpp"
 #include "server/net/api/photo_answers.hpp"
 #include "server/net/api/picker.hpp"
 #include "server/net/api/router.hpp"
@@ -87,6 +88,7 @@ class Api {
         picker_.stop();
         photos_.stop();
         points_.stop();
+        measurer_.stop();
     }
 
   private:
@@ -111,6 +113,7 @@ class Api {
     Picker picker_;
     PhotoAnswers photos_;
     PointsAnswers points_;
+    Measurer measurer_;
 };
 
 }  // namespace scancast

@@ -30,6 +30,7 @@ enum class Route : std::uint8_t {
     SnapshotPng,
     Snapshot,
     Pick,
+    Measure,
     Points,
     Profile,
     StreamMjpeg,
@@ -77,6 +78,7 @@ inline constexpr std::array routes{
     // Accept chooses the format.
     RouteInfo{Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST", Need::Guest, false},
     RouteInfo{Route::Pick, "/api/v1/clouds/{id}/pick", "POST", Need::Guest, true},
+    RouteInfo{Route::Measure, "/api/v1/clouds/{id}/measure", "POST", Need::Guest, true},
     // Guests get pictures of profiles, and points where they may (points_answers.hpp).
     RouteInfo{Route::Points, "/api/v1/clouds/{id}/points", "POST", Need::Guest, false},
     RouteInfo{Route::Profile, "/api/v1/clouds/{id}/profile", "POST", Need::Guest, false},

@@ -16,15 +16,6 @@
 #include "renderer/style.hpp"
 
 namespace scancast {
-namespace {
-
-bool inside(const Region& region, const glm::dvec3& p) {
-    return std::all_of(
-        region.planes.begin(), region.planes.begin() + region.count,
-        [&](const glm::dvec4& plane) { return glm::dot(glm::dvec3(plane), p) + plane.w >= 0; });
-}
-
-}  // namespace
 
 bool isDrawn(const SampleFilter& filter, const glm::dvec3& p, const Sample& sample) {
     if (filter.classes && !(*filter.classes)[sample.classification]) return false;
@@ -32,8 +23,8 @@ bool isDrawn(const SampleFilter& filter, const glm::dvec3& p, const Sample& samp
         for (int axis = 0; axis < 3; ++axis)
             if (p[axis] < filter.clip->min[axis] || p[axis] > filter.clip->max[axis]) return false;
     }
-    return std::none_of(filter.dropped.begin(), filter.dropped.end(),
-                        [&](const Region& region) { return inside(region, p); });
+    return filter.shapes.contains(p) &&
+           std::ranges::none_of(filter.dropped, [&](const Region& region) { return region.contains(p); });
 }
 
 namespace {
@@ -54,6 +45,11 @@ double distanceToBox(const Node& node, const glm::dvec3& p) {
     const glm::dvec3 low = glm::max(node.boxMin - p, glm::dvec3(0));
     const glm::dvec3 high = glm::max(p - node.boxMax, glm::dvec3(0));
     return glm::length(low + high);
+}
+
+/// Whether shapes leave nothing of a node: then its samples need not be had.
+bool isCutAway(const SampleFilter& filter, const Node& node) {
+    return filter.shapes.overlap(node.boxMin - node.step, node.boxMax + node.step) == Overlap::None;
 }
 
 // Three digits finer than the grid: enough for every step of it, and too few for the noise of adding doubles.
@@ -95,6 +91,7 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
         const std::uint32_t index = queue.top().second;
         queue.pop();
         const Node& node = octree.node(index);
+        if (isCutAway(filter, node)) continue;
         if (!node.isLeaf()) {
             for (std::uint32_t child = node.firstChild; child < node.firstChild + node.childCount; ++child)
                 queue.emplace(distanceToBox(octree.node(child), place), child);

@@ -4,8 +4,8 @@
 //
 // The picture's depth says where the surface under the pixel lies, whatever method drew it, so that only what
 // is visible can be picked. The nearest of the scan's own points (leaf samples: inner ones are averages) to
-// that place is the answer; what the view does not draw - other classes, outside the clip box, behind mirrors
-// - is none.
+// that place is the answer; what the view does not draw - other classes, outside the clip box, what shapes cut away, behind
+// mirrors - is none.
 #pragma once
 
 #include <glm/vec2.hpp>

@@ -139,6 +139,34 @@ TEST(Pick, IsTheNearestThatTheViewDrawsByBruteForce) {
     EXPECT_GT(count, 20);
 }
 
+// Right because it looks at all points, by the definition of shapes: what is cut away is not picked, though it may be
+// nearer.
+TEST(Pick, NothingThatShapesCutAway) {
+    const auto cloud = town(20000);
+    View view = viewOf(*cloud);
+    const glm::dvec3 middle = (cloud->bounds[0] + cloud->bounds[1]) * 0.5;
+    view.style.clips = {TurnedBox{middle, {150, 90, 60}, {35, 0, 0}},
+                        TurnedBox{middle, {30, 30, 60}, {10, 0, 0}, true},
+                        HalfSpace{middle - glm::dvec3(40, 0, 0), {1, 0.2, 0}}};
+    const Frame whole = drawn(*cloud, viewOf(*cloud));
+    const auto allowed = [&](const glm::dvec3& p, const Sample&) {
+        return contains(view.style.clips, p + cloud->origin);
+    };
+    int taken = 0;
+    const int count = overSurface(whole, [&](int x, int y, double depth) {
+        const auto picked = pick(*cloud, view, {x, y}, depth);
+        ASSERT_TRUE(picked && *picked);
+        EXPECT_TRUE(contains(view.style.clips, (*picked)->position));
+        const glm::dvec3 place = *placeUnder(*cloud, view, {x, y}, depth);
+        EXPECT_EQ((*picked)->distance, nearestByHand(*cloud, place, allowed));
+        taken += (*picked)->distance > 1;
+    });
+    EXPECT_GT(count, 20);
+    EXPECT_GT(taken, 10) << "of the picture without shapes, much has nothing left at its place";
+    view.style.clips = {TurnedBox{middle + glm::dvec3(0, 0, 1000), {1, 1, 1}}};
+    EXPECT_FALSE(pick(*cloud, view, {160, 100}, 100).value()) << "nothing is left at all";
+}
+
 // Bit for bit what a reader of the scan has: origin + step * whole number.
 TEST(Pick, TellsTheFilesOwnCoordinates) {
     const auto cloud = town(5000);

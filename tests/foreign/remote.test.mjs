@@ -231,6 +231,18 @@ test('EPT through a line that is cut is coarser and away, and whole when it is m
   }
 });
 
+test('sets of a list are called as their folders are', { skip: skipCopc }, async () => {
+  for (const name of ['lion', 'town hall']) makeSet(name);
+  writeFileSync(join(folder, 'web/sets/list.txt'), 'town hall/ept.json\nlion/ept.json\n');
+  const far = await served([], ['--catalog', `${nginx.plain}/sets/list.txt`]);
+  try {
+    const ids = async () => (await (await fetch(new URL('api/v1/clouds', far.url))).json()).clouds.map(({ id }) => id).sort().join();
+    await comesTrue(async () => await ids() === 'lion,town-hall', 'both sets');
+  } finally {
+    await far.server.stop();
+  }
+});
+
 test('what was fetched of a set of EPT is on disk, until its description is another', { skip: skipCopc }, async () => {
   makeSet('kept');
   const cache = join(folder, 'cache-of-tiles');

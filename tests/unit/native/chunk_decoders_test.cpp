@@ -15,6 +15,7 @@
 #include "renderer/cloud/native/copc/copc_hierarchy.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_data.hpp"
+#include "tests/unit/native/ept_bytes.hpp"
 
 namespace scancast::test {
 
@@ -92,6 +93,38 @@ TEST(ChunkProgram, DecodesManyAtOnceAndGoesOnAfterADamagedOne) {
                 EXPECT_EQ(records->size(), std::size_t(voxels[v].points) * real.shape.recordBytes);
             }
         });
+}
+
+/// The importer of octrees, as a program: what its code gives in this process.
+TEST(TileProgram, DecodesTilesOfEveryKindAndGoesOnAfterADamagedOne) {
+    const CopcBytes copc = CopcMaker::make(wavyPoints(3000), 300);
+    const auto decoders = ChunkDecoders::create(realProgram(), 2);
+    for (const auto kind : {EptMaker::Kind::Laszip, EptMaker::Kind::Zstandard}) {
+        auto folder = EptMaker::make(copc, kind);
+        const VoxelKey leaf = copc.voxels.rbegin()->first;
+        Bytes& damaged = folder.files.at(EptMaker::tileName(leaf, kind));
+        std::fill(damaged.begin() + std::ptrdiff_t(damaged.size() / 2), damaged.end(), std::byte{0xff});
+        damaged.resize(damaged.size() - 9);
+        const auto open = [&](std::shared_ptr<ChunkDecoders> by) {
+            return openEpt(
+                std::make_shared<MemoryFolder>(folder), std::move(by),
+                {.name = "it", .title = "it", .identity = {}, .surfels = false, .upperPoints = 500});
+        };
+        const auto file = open(decoders), same = open(std::make_shared<TileDecoders>());
+        ASSERT_TRUE(file) << file.error().message;
+        ASSERT_TRUE(same) << same.error().message;
+        std::size_t bad = 0;
+        for (std::uint32_t i = 0; i < (*file)->nodes().size(); ++i) {
+            const auto a = (*file)->samples(i), b = (*same)->samples(i);
+            ASSERT_EQ(a.has_value(), b.has_value());
+            bad += a ? 0 : 1;
+            if (a)
+                EXPECT_EQ(valuesOf(**file, i, *a), valuesOf(**same, i, *b));
+            else
+                EXPECT_EQ(a.error().message, b.error().message);
+        }
+        EXPECT_EQ(bad, 1U);
+    }
 }
 
 TEST(ChunkProgram, IsNotAskedForMoreThanItMayAnswer) {

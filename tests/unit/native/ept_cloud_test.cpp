@@ -2,6 +2,7 @@
 // hostile or damaged is an error that says what, and a tile that is missing costs what is drawn of it.
 #include <gmock/gmock.h>
 
+#include "renderer/cloud/native/ept/ept_tree.hpp"
 #include "tests/support/sized.hpp"
 #include "tests/unit/native/ept_bytes.hpp"
 
@@ -9,7 +10,6 @@ namespace scancast::test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 namespace {
 
@@ -299,6 +299,25 @@ TEST(EptPages, ThatNameANodeTwiceAreRefused) {
     const auto file = openFolder(std::move(folder));
     ASSERT_FALSE(file);
     EXPECT_THAT(file.error().message, HasSubstr("1-0-0-0 is in its octree twice"));
+}
+
+/// Each within its limits, together beyond all: refused before anything is kept of them.
+TEST(EptPages, ThatReferToTooManyAreRefused) {
+    MemoryFolder folder;
+    folder.write("ept-hierarchy/0-0-0-0.json",
+                 R"({"0-0-0-0": 5, "1-0-0-0": -1, "1-1-0-0": -1, "1-0-1-0": -1})");
+    auto limits = VoxelLimits();
+    limits.pages = 3;
+    const auto pages = readEptTree(folder, limits);
+    ASSERT_FALSE(pages);
+    EXPECT_EQ(pages.error().code, ErrorCode::ResourceLimit);
+    EXPECT_EQ(folder.asked.size(), 1U);
+    folder.write("ept-hierarchy/0-0-0-0.json", R"({"0-0-0-0": 5, "1-0-0-0": 1, "1-1-0-0": 1})");
+    limits.entries = 2;
+    const auto nodes = readEptTree(folder, limits);
+    ASSERT_FALSE(nodes);
+    EXPECT_EQ(nodes.error().code, ErrorCode::ResourceLimit);
+    EXPECT_THAT(nodes.error().message, HasSubstr("ingest it"));
 }
 
 /// A tile on another grid, or with other records, is damaged: its points would be elsewhere.

@@ -79,11 +79,16 @@ class EptVoxels final : public VoxelSource {
 
     Expected<std::vector<std::byte>> records(std::uint32_t voxel) const override {
         const std::string name = tileOf(voxel);
+        const std::uint64_t points = scan_.tree.voxels[voxel].points;
+        if (points * shape_.recordBytes > chunk_messages::mostRecordBytes)
+            return fail(ErrorCode::ResourceLimit,
+                        fmt::format("its {} points of {} bytes are too many to be shown as they are{}",
+                                    grouped(points), shape_.recordBytes, ingestInstead));
         // What came over a network may be sound the second time.
         for (int tries = 2;; --tries) {
             const auto tile = files_->read(name, mostBytes(voxel));
             if (!tile) return passOn(tile);
-            auto records = unpacked(scan_.tree.voxels[voxel].points, *tile);
+            auto records = unpacked(std::uint32_t(points), *tile);
             if (records) return records;
             if (tries == 1 || !files_->forget(name))
                 return fail(records.error().code, "its file " + name + ": " + records.error().message);
@@ -102,7 +107,7 @@ class EptVoxels final : public VoxelSource {
     std::uint64_t mostBytes(std::uint32_t voxel) const {
         const std::uint64_t points = scan_.tree.voxels[voxel].points;
         if (data_ == EptData::Laszip) return mostTileHead + points * mostLazBytesPerPoint;
-        return mostTileHead + points * shape_.recordBytes;
+        return mostTileHead + std::min(points * shape_.recordBytes, chunk_messages::mostRecordBytes);
     }
 
     Expected<EptDescription> describe() {

@@ -35,6 +35,10 @@ Expected<VoxelTree> readEptTree(const FolderReader& files, const VoxelLimits& li
     import_octree::EptPages pages;
     pages.ahead.emplace_back();
     std::uint64_t pagesRead = 0, bytesRead = 0;
+    const auto isTooLarge = [&] {
+        return pages.nodes.size() > limits.entries || pagesRead + pages.ahead.size() > limits.pages ||
+               bytesRead > mostPageBytes;
+    };
     while (!pages.ahead.empty()) {
         const auto now = std::exchange(pages.ahead, {});
         pagesRead += now.size();
@@ -44,12 +48,11 @@ Expected<VoxelTree> readEptTree(const FolderReader& files, const VoxelLimits& li
             if (!bytes) return passOn(bytes);
             bytesRead += bytes->size();
             if (auto ok = import_octree::parseEptPage(*bytes, root, pages); !ok) return passOn(ok);
-            if (pages.nodes.size() > limits.entries || pagesRead > limits.pages || bytesRead > mostPageBytes)
-                return fail(
-                    ErrorCode::ResourceLimit,
-                    fmt::format("its hierarchy has more than {} nodes or {} pages, and is not shown as "
-                                "it is{}",
-                                limits.entries, limits.pages, ingestInstead));
+            if (isTooLarge())
+                return fail(ErrorCode::ResourceLimit,
+                            fmt::format("its hierarchy has more than {} nodes or {} pages, and is not shown "
+                                        "as it is{}",
+                                        limits.entries, limits.pages, ingestInstead));
         }
     }
     std::vector<Voxel> voxels;

@@ -201,19 +201,18 @@ void CloudWatch::lookAt(Watched& one) {
                                                         : entry->cloud != one.cloud.lock()));
     if (one.isOver || one.building) return;
     if (one.served.remote) return lookAtRemote(one);
-    std::optional<ScanInput> scan;
+    std::optional<ScanInput> found;
     auto file = [&]() -> Expected<InputFile> {
         if (one.served.kept) return InputFile::open(*one.served.kept);
         auto input = ScanInput::open(one.served.place);
         if (!input) return passOn(input);
-        auto shared = input->file().share();
-        if (canBeNative(*input)) scan = std::move(*input);
-        return shared;
+        found = std::move(*input);
+        return found->file().share();
     }();
     if (file) {
         one.unfound = false;
         if (file->identity() != one.served.identity)
-            changed(one, std::move(*file), scan ? &*scan : nullptr);
+            changed(one, std::move(*file), found && canBeNative(*found) ? &*found : nullptr);
         else
             one.pending = {};
     } else if (!std::exchange(one.unfound, true) && !one.refused) {

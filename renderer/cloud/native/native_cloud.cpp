@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <new>
 #include <thread>
 
@@ -85,6 +87,23 @@ class NativeCloud final : public CloudFile {
     BlockPlace planePlace(std::uint32_t, std::size_t) const override { return {}; }
     Expected<Bytes> rows(std::uint32_t) const override { return Bytes(); }
 
+    /// Samples have lost whose records they were: the first that gives this sample is the point, of the voxel itself, then of those
+    /// above.
+    Expected<KeptPoint> point(std::uint32_t leaf, std::span<const Sample> samples,
+                              std::size_t index) const override {
+        const Sample& sample = samples[index];
+        for (std::uint32_t node = leaf; node != noNode; node = nodes()[node].node.parent) {
+            const std::uint32_t voxel = opened_->tree.own[node].voxel;
+            if (voxel == noVoxel || opened_->source->scan().tree.voxels[voxel].points == 0) continue;
+            const auto records = opened_->source->records(voxel);
+            if (!records) return named(node, records.error());
+            auto found = findRecord(*records, sample, opened_->tree.own[leaf].lattice);
+            if (!found) return named(node, found.error());
+            if (*found) return std::move(**found);
+        }
+        return named(leaf, {ErrorCode::Malformed, "a point of it is not in its file any more", {}});
+    }
+
   private:
     RawPoints upper(std::uint32_t voxel) const {
         return voxel < opened_->upper.size() ? opened_->upper[voxel] : nullptr;
@@ -98,6 +117,36 @@ class NativeCloud final : public CloudFile {
         auto points = rawPointsOf(*records, *scan.records, opened_->depth, scan.grid);
         if (!points) return passOn(std::move(points));
         return std::make_shared<const std::vector<RawPoint>>(std::move(*points));
+    }
+
+    Expected<std::optional<KeptPoint>> findRecord(std::span<const std::byte> records, const Sample& sample,
+                                                  const NodeLattice& lattice) const {
+        const NativeScan& scan = opened_->source->scan();
+        const auto points = rawPointsOf(records, *scan.records, opened_->depth, scan.grid);
+        if (!points) return passOn(points);
+        const auto gives = [&](const RawPoint& point) {
+            const auto at = onLattice(point, lattice);
+            return at && *at == std::array{sample.x, sample.y, sample.z} &&
+                   point.intensity == sample.intensity && point.classification == sample.classification &&
+                   point.color == std::array{sample.r, sample.g, sample.b};
+        };
+        const auto at = std::ranges::find_if(*points, gives);
+        if (at == points->end()) return std::nullopt;
+        const std::size_t stride = scan.everything->recordBytes();
+        import_octree::DecodedPoints one;
+        scan.everything->decode(records.subspan(std::size_t(at - points->begin()) * stride, stride),
+                                opened_->depth, one);
+        const PointBatch& batch = one.batch;
+        KeptPoint kept{batch.position.front(), scan.grid.step,           true, {},
+                       scan.columns,           std::move(one.batch.rows)};
+        // Floating-point numbers: the neighbours of this one.
+        if (!scan.isGridOwn)
+            for (int a = 0; a < 3; ++a)
+                kept.precision[a] =
+                    std::nextafter(std::abs(kept.position[a]), HUGE_VAL) - std::abs(kept.position[a]);
+        if (!batch.normal.empty() && glm::dot(batch.normal[0], batch.normal[0]) > 0)
+            kept.normal = batch.normal[0];
+        return kept;
     }
 
     tl::unexpected<Error> named(std::uint32_t node, const Error& error) const {

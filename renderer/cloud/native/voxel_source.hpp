@@ -16,13 +16,16 @@ namespace scancast {
 
 /// What is known of a scan before its points are.
 struct NativeScan {
-    /// Format, attributes, coordinate reference system; bounds: where all points should lie. No columns: none are kept.
+    /// Format, attributes, coordinate reference system; bounds: where all points should lie. No columns: none are kept beside samples.
     ScanHeader header;
     VoxelCube cube;
     /// What points are drawn on: the scan's own; of positions that are floating-point numbers, one that is finer than any sample.
     StepGrid grid;
     bool isGridOwn = true;
     std::shared_ptr<const import_octree::RecordDecoder> records;  ///< what they mean
+    /// The same with all that is known of a point besides, `columns`: for who asks for one.
+    std::shared_ptr<const import_octree::RecordDecoder> everything;
+    std::vector<Column> columns;
     VoxelTree tree;
     std::vector<std::string> notes;
     std::uint64_t digest = 0;  ///< of everything but the points

@@ -32,6 +32,9 @@ class CopcVoxels final : public VoxelSource {
         scan_.cube = head->info.cube;
         scan_.grid = las.grid();
         scan_.records = std::make_shared<const import_octree::LasDecoder>(las, std::vector<LasColumn>());
+        auto columns = head->las.allColumns();
+        for (const LasColumn& column : columns) scan_.columns.push_back(column.column);
+        scan_.everything = std::make_shared<const import_octree::LasDecoder>(las, std::move(columns));
         scan_.notes = head->las.notes();
         if (tree->points != las.points)
             scan_.notes.push_back(fmt::format("its header promises {} points, and its octree has {}",

@@ -148,19 +148,21 @@ class EptVoxels final : public VoxelSource {
         scan_.header.attributes = theirs.attributes;
         scan_.header.gridStep = theirs.gridStep;
         scan_.header.gridOrigin = theirs.gridOrigin;
-        takeCrs(*tile);
+        takeRecords(*tile);
         scan_.grid = las_.grid();
         scan_.records = std::make_shared<const import_octree::LasDecoder>(las_, std::vector<LasColumn>());
         return {};
     }
 
-    /// Where ept.json has none, and tiles do.
-    void takeCrs(std::span<const std::byte> tile) {
-        if (!scan_.header.crsWkt.empty() || scan_.header.crsEpsg || tile.size() < las_.pointOffset ||
-            las_.pointOffset < las_.headerBytes)
-            return;
+    /// The coordinate reference system, where ept.json has none; and what points have besides.
+    void takeRecords(std::span<const std::byte> tile) {
         LasVlrs vlrs;
-        readVlrs(tile.first(std::size_t(las_.pointOffset)).subspan(las_.headerBytes), las_.vlrs, vlrs);
+        if (tile.size() >= las_.pointOffset && las_.pointOffset >= las_.headerBytes)
+            readVlrs(tile.first(std::size_t(las_.pointOffset)).subspan(las_.headerBytes), las_.vlrs, vlrs);
+        auto columns = lasColumns(las_, vlrs.extraBytes, true);
+        for (const LasColumn& column : columns) scan_.columns.push_back(column.column);
+        scan_.everything = std::make_shared<const import_octree::LasDecoder>(las_, std::move(columns));
+        if (!scan_.header.crsWkt.empty() || scan_.header.crsEpsg) return;
         scan_.header.crsWkt = vlrs.crs.wkt;
         scan_.header.crsEpsg = vlrs.crs.epsg ? vlrs.crs.epsg : epsgOfWkt(scan_.header.crsWkt);
     }
@@ -180,6 +182,9 @@ class EptVoxels final : public VoxelSource {
         if (!own && !(scan_.grid.step.x > 0))
             return fail(ErrorCode::Malformed, "ept.json: its bounds are no cube: too small");
         scan_.records = std::move(decoder);
+        scan_.everything =
+            std::make_shared<const import_octree::FieldDecoder>(layout_, import_octree::Grid(), true);
+        scan_.columns = import_octree::columnsOf(layout_.kept());
         return {};
     }
 

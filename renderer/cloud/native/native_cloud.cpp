@@ -145,7 +145,7 @@ class NativeCloud final : public CloudFile {
                 kept.precision[a] =
                     std::nextafter(std::abs(kept.position[a]), HUGE_VAL) - std::abs(kept.position[a]);
         if (!batch.normal.empty() && glm::dot(batch.normal[0], batch.normal[0]) > 0)
-            kept.normal = batch.normal[0];
+            kept.normal = glm::dvec3(batch.normal[0]);
         return kept;
     }
 

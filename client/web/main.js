@@ -10,6 +10,8 @@ import { Address, Undo } from './page/history.js';
 import { Hud } from './page/hud.js';
 import { Layout } from './page/layout.js';
 import { LoadingNote } from './page/loading_note.js';
+import { ClassList } from './page/plan/class_list.js';
+import { OnPicture } from './page/plan/on_picture.js';
 import { Overlays } from './page/overlays.js';
 import { Photos } from './page/photos.js';
 import { asksToPresent, Presentation } from './page/presentation.js';
@@ -63,6 +65,8 @@ const controls = new Controls({
 });
 const galleries = new Galleries(viewer, () => controls);
 const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
+const onPicture = new OnPicture(viewer);
+const classes = new ClassList((word) => viewer.changeStyle({ classes: word }));
 const stations = new Stations(viewer.server, (station) => {
   viewer.goToPlace(station.view.camera);
   photos.at(station);
@@ -101,6 +105,7 @@ on('cloud', (cloud) => {
   showScan(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
+  classes.show(viewer.view, cloud);
   showLoading();
   showMethod();
   stations.show(cloud);
@@ -109,6 +114,7 @@ on('cloud', (cloud) => {
 on('view', ({ by }) => {
   if (by !== 'hand') {
     controls.show(viewer.view, viewer.cloud);
+    classes.show(viewer.view, viewer.cloud);
     showMethod();
   }
   address.changed();
@@ -269,6 +275,7 @@ const shortcuts = {
   f: () => viewer.showStandardView('fit'), Home: () => viewer.showStandardView('first'),
   1: () => viewer.showStandardView('top'), 2: () => viewer.showStandardView('front'), 3: () => viewer.showStandardView('side'),
   4: () => viewer.showStandardView('back'), 5: () => viewer.showStandardView('left'), 6: () => viewer.showStandardView('bottom'),
+  7: () => onPicture.togglePlan(), g: () => onPicture.toggle('grid'), n: () => onPicture.toggle('minimap'),
   Enter: (event) => viewer.goToMiddle(event.shiftKey),
   c: toggleColliding, l: () => setLooking(!viewer.looksAround), o: () => viewer.toggleProjection(), p: () => layout.toggle(), '?': () => overlays.toggleHelp(),
 };

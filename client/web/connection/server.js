@@ -77,10 +77,10 @@ export class Server {
     return { clouds: listOf(body.clouds), pending: listOf(body.pending) };
   }
 
-  /** { methods, colors, colormaps, shadings }. */
+  /** { methods, colors, colormaps, shadings, ramps }. */
   async methods() {
-    const { methods, colors, colormaps, shadings } = await this.#json('/api/v1/methods');
-    return { methods: listOf(methods), colors: listOf(colors), colormaps: listOf(colormaps), shadings: listOf(shadings) };
+    const { methods, colors, colormaps, shadings, ramps = {} } = await this.#json('/api/v1/methods');
+    return { methods: listOf(methods), colors: listOf(colors), colormaps: listOf(colormaps), shadings: listOf(shadings), ramps };
   }
 
   /** Views that show most of the cloud, the best first, complete and fitted to a picture of this size: [{ name, inside, view }]. */
@@ -101,6 +101,14 @@ export class Server {
   /** A picture of a view in full quality, as a Blob. */
   async snapshot(cloud, view, { width, height }, { format = 'png', signal = undefined } = {}) {
     return (await this.ask(snapshotUrl(cloud, view, width, height, format), { signal, cache: 'default' })).blob();
+  }
+
+  /** The point of the scan that a pixel of that view's picture shows, or null. */
+  async pick(cloud, view, { x, y }) {
+    const response = await this.ask(`${pathOf(cloud)}/pick`, {
+      method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ view, x, y }), signal: AbortSignal.timeout(3 * patienceMs),
+    });
+    return response.json();
   }
 
   /** Gets a pass for the guest's link of this tab, and goes on renewing it; resolves to its cloud's id, throws what the server refuses with. */

@@ -1,5 +1,5 @@
-// What colours show: a tile with a swatch for everything that this scan can be coloured by, the ramp and its ends for those that
-// have one, and a legend for classes.
+// What colours show: a tile with a swatch for everything that this scan can be coloured by, and the ramp and its ends for those that
+// have one.
 
 import { Choices } from './choices.js';
 import { NumberField, rangeRefusal } from './number_field.js';
@@ -18,16 +18,6 @@ const mayLack = ['rgb', 'cir', 'intensity', 'classification', 'normal', 'curvatu
 const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);
 /** 'rgb*intensity' → ['rgb', 'intensity']: what colours come from, and what makes it brighter. */
 const factorsOf = (color) => (color ?? '').split('*');
-
-const knownClasses = [
-  'b0b0b0', 'c8c8c8', 'a1794e', 'a4c85a', '5ca846', '267834', 'cb5c4a', 'ff00aa', 'f0dc78', '4287dc',
-  '7864a0', '6c6e76', 'beaad2', 'f5c83c', 'faaa28', '50c8c8', '28aaaa', 'dea082', 'ff3c78',
-];
-
-/** The colour in which the server draws a class. Pure. */
-export const colourOfClass = (number) => (number < knownClasses.length
-  ? `#${knownClasses[number]}`
-  : `rgb(${[53, 101, 197].map((factor) => 90 + ((number * factor) % 150)).join(', ')})`);
 
 /**
  * What a cloud can be coloured by, and what not: { options, missing: [{ value, label, reason }] }. Intensity as a factor is no
@@ -82,7 +72,6 @@ export class ColourChoice {
   showCloud(cloud) {
     this.#cloud = cloud;
     this.#offered = '';
-    this.#showLegend();
   }
 
   show(view) {
@@ -96,7 +85,6 @@ export class ColourChoice {
     find('shade-by-intensity').hidden = !takesIntensity(source, this.#colors, this.#cloud);
     find('by-intensity').checked = by === 'intensity';
     find('ramp').hidden = !withRamp.includes(source);
-    find('legend').hidden = source !== 'classification' || find('legend').children.length === 0;
     this.#ramps.show(view.colormap);
     const usual = this.#usualRange(view.color);
     ['range-low', 'range-high'].forEach((id, i) => {
@@ -104,17 +92,6 @@ export class ColourChoice {
       input.placeholder = usual ? String(Number(usual[i].toPrecision(6))) : [words.lowHint, words.highHint][i];
       this.#ends[i].show(view.range ? view.range[i] : '');
     });
-  }
-
-  #showLegend() {
-    const { classes = [], classNames = {} } = this.#cloud ?? {};
-    find('legend').replaceChildren(...classes.slice(0, 64).map((number) => {
-      const name = classNames[number] ?? words.classNumber(number);
-      const swatch = element('i', { className: 'swatch' });
-      swatch.style.setProperty('background', colourOfClass(number));
-      return element('li', {}, swatch,
-        element('span', { textContent: name.charAt(0).toUpperCase() + name.slice(1) }), element('span', { className: 'unit', textContent: String(number) }));
-    }));
   }
 
   #offer(method) {

@@ -32,7 +32,7 @@ const tablet = { viewport: { width: 1024, height: 768 }, hasTouch: true };
 const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
 
 /** One picture: `use(page)` brings the page to what is to be seen. */
-async function take(name, options, hash, use = async () => {}) {
+async function take(name, options, hash, use = async () => {}, quality = 82) {
   const context = await browser.newContext({ colorScheme: 'dark', ...options });
   const page = await context.newPage();
   await page.goto(`${url}#${hash}`);
@@ -40,7 +40,7 @@ async function take(name, options, hash, use = async () => {}) {
   await use(page);
   await waitUntilSharp(page, 60_000);
   await page.waitForTimeout(600); // messages and flights
-  await page.screenshot({ path: `${folder}${name}.jpg`, type: 'jpeg', quality: 82 });
+  await page.screenshot({ path: `${folder}${name}.jpg`, type: 'jpeg', quality });
   console.log(`docs/images/page/${name}.jpg`);
   await context.close();
 }
@@ -58,6 +58,13 @@ await take('presentation', wide, `cloud=${first}`, async (page) => {
   }
   await page.keyboard.press('h');
 });
+await take('plan', { viewport: { width: 960, height: 660 } }, `cloud=${first}&color=classification`, async (page) => {
+  for (const key of ['7', 'g', 'n']) await page.keyboard.press(key);
+  await page.waitForFunction(() => document.querySelector('#minimap img').naturalWidth > 0, undefined, { timeout: 30_000 });
+  await page.waitForTimeout(600); // the flight
+  await page.mouse.move(430, 250);
+  await page.mouse.wheel(0, -320);
+}, 66);
 await take('tablet', { ...tablet, colorScheme: 'light' }, `cloud=${last}`);
 await take('phone', phone, `cloud=${last}`);
 

@@ -397,7 +397,9 @@ export class Viewer extends EventTarget {
   toggleProjection() {
     if (!this.#camera) return;
     const projection = this.#camera.projection === 'orthographic' ? 'perspective' : 'orthographic';
+    const flight = this.#flight;
     this.changeCamera({ ...this.#camera, projection });
+    if (flight) this.#flyTo({ ...flight.to, projection }, flight.by); // it is to arrive all the same
   }
 
   // ---- inside

@@ -5,7 +5,7 @@ import { describe, it } from 'node:test';
 
 import { classesWord, onlyOne, shownBy, toggled } from '../../../client/web/page/plan/class_list.js';
 import { axisMark, gridOf, labelPlace, planAxis } from '../../../client/web/page/plan/grid.js';
-import { legendOf, rangeText } from '../../../client/web/page/plan/legend.js';
+import { classesOf, legendOf, rangeText } from '../../../client/web/page/plan/legend.js';
 import { coordinateText, lengthText, roundAbove, roundBelow, unitName } from '../../../client/web/page/plan/lengths.js';
 import { mapOf, movedTo, shownOnMap } from '../../../client/web/page/plan/minimap.js';
 import { chosenOf, freeStretch, hasNorth } from '../../../client/web/page/plan/on_picture.js';
@@ -41,6 +41,7 @@ describe('lengths', () => {
     assert.equal(lengthText(100, 'US survey foot'), '100 ft (US)');
     assert.equal(lengthText(0.01, 'degree'), '0.01°');
     assert.deepEqual(['', undefined].map((unit) => lengthText(20, unit)), ['20 units', '20 units']);
+    assert.equal(lengthText(1, ''), '1 unit');
     assert.deepEqual(['metre', 'US survey foot', 'chain', ''].map(unitName), ['m', 'ft (US)', 'chain', 'units']);
   });
   it('and coordinates have as many digits as tell them apart', () => {
@@ -257,11 +258,15 @@ describe('the legend', () => {
   const ramps = { viridis: ['#440154', '#fde725'], turbo: ['#30123b', '#7a0403'], curvature: ['#2e48be', '#ba1e2a'], lod: ['#e65046', '#f0963c'] };
   const of = (view, stats) => legendOf({ view: { colormap: 'viridis', ...view }, cloud, ramps, stats });
   it('has classes that are shown', () => {
-    assert.deepEqual(of({ color: 'classification' }).classes.map(({ name, color }) => [name, color]), [['ground', '#a1794e'], ['building', '#cb5c4a'], ['Class 65', '#808080']]);
+    assert.deepEqual(of({ color: 'classification' }).classes.map(({ name, color }) => [name, color]), [['Ground', '#a1794e'], ['Building', '#cb5c4a'], ['Class 65', '#808080']]);
     assert.deepEqual(of({ color: 'classification*intensity', classes: [6] }).classes.map(({ number }) => number), [6]);
     const many = { ...cloud, classes: Array.from({ length: 256 }, (_, i) => i) };
     const { classes, more } = legendOf({ view: { color: 'classification' }, cloud: many, ramps });
     assert.equal(classes.length + more, 256);
+  });
+  it('tells classes apart that share a name', () => {
+    const reserved = { classes: [6, 26, 27], classNames: { 6: 'building', 26: 'reserved', 27: 'reserved' }, classCounts: { 6: 3 } };
+    assert.deepEqual(classesOf(reserved).map(({ name, count }) => `${name}: ${count}`), ['Building: 3', 'Reserved (26): 0', 'Reserved (27): 0']);
   });
   it('has the ends that the server says, with their unit', () => {
     const stats = { color: 'elevation', colormap: 'turbo', range: [31.46, 58.2] };

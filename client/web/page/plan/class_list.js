@@ -4,7 +4,7 @@
 import { element } from '../parameter_fields.js';
 import { amount } from '../strings.js';
 import { planStrings } from '../strings/plan.js';
-import { classOf } from './legend.js';
+import { classesOf } from './legend.js';
 
 const words = planStrings.classes;
 /** @type {(id: string) => any} */
@@ -73,10 +73,7 @@ export class ClassList {
 
   #fill(cloud) {
     this.#boxes.clear();
-    const known = this.#all.map((number) => classOf(cloud, number));
-    // "Reserved" and "user defined" are the names of many.
-    const isShared = ({ name }) => known.filter((one) => one.name === name).length > 1;
-    this.#list.replaceChildren(...known.map((one) => this.#row({ ...one, name: isShared(one) ? words.numbered(one.name, one.number) : words.named(one.name) })));
+    this.#list.replaceChildren(...classesOf(cloud).map((one) => this.#row(one)));
   }
 
   #row({ number, name, color, count }) {

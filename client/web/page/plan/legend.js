@@ -18,13 +18,20 @@ export function rangeText([low, high]) {
   return [low, high].map((value) => value.toLocaleString('en', { maximumFractionDigits: decimals }).replace('-', '−'));
 }
 
-/** What a class is called, and how it is drawn. Pure. */
-export const classOf = (cloud, number) => ({
-  number,
-  name: cloud.classNames?.[number] ?? planStrings.classes.number(number),
-  color: cloud.classColors?.[number] ?? '#808080',
-  count: cloud.classCounts?.[number] ?? 0,
-});
+/** The classes of a cloud, each with what it is called, how it is drawn and how many points it has. Pure. */
+export function classesOf(cloud) {
+  const nameOf = (number) => cloud.classNames?.[number];
+  const numbers = cloud.classes ?? [];
+  // "Reserved" and "user defined" are the names of many.
+  const nameIsShared = (number) => numbers.filter((other) => nameOf(other) === nameOf(number)).length > 1;
+  const { numbered, named, number: unnamed } = planStrings.classes;
+  return numbers.map((number) => ({
+    number,
+    name: !nameOf(number) ? unnamed(number) : nameIsShared(number) ? numbered(nameOf(number), number) : named(nameOf(number)),
+    color: cloud.classColors?.[number] ?? '#808080',
+    count: cloud.classCounts?.[number] ?? 0,
+  }));
+}
 
 /**
  * What the legend of a picture says: { title, classes: [{ number, name, color }] , more } or { title, colors, ends: [text, text] }, or
@@ -38,8 +45,8 @@ export function legendOf({ view = undefined, cloud = undefined, ramps = /** @typ
   const source = sourceOf(known?.color ?? view.color);
   const title = strings.colour.names[source] ?? source;
   if (source === 'classification') {
-    const shown = (cloud.classes ?? []).filter((number) => !view.classes || view.classes.includes(number));
-    const listed = shown.slice(0, mostClasses).map((number) => classOf(cloud, number));
+    const shown = classesOf(cloud).filter(({ number }) => !view.classes || view.classes.includes(number));
+    const listed = shown.slice(0, mostClasses);
     return { title, classes: listed, more: shown.length - listed.length };
   }
   if (source === 'lod' && ramps.lod) return { title, colors: ramps.lod, isStepped: true, ends: [words.level(0), words.level(ramps.lod.length - 1)], note: words.levels };
@@ -84,7 +91,7 @@ export class Legend {
   }
 
   #classes({ classes, more }) {
-    const rows = classes.map(({ name, color }) => element('li', {}, swatch(color), element('span', { textContent: planStrings.classes.named(name) })));
+    const rows = classes.map(({ name, color }) => element('li', {}, swatch(color), element('span', { textContent: name })));
     if (more > 0) rows.push(element('li', { textContent: words.more(more) }));
     return [element('ul', {}, ...rows)];
   }

@@ -11,11 +11,11 @@ const metric = [[1000, 'km'], [1, 'm'], [0.01, 'cm'], [0.001, 'mm']];
 const known = (crsUnit) => String(crsUnit ?? '').toLowerCase();
 const minus = (text) => text.replace(/^-(?=[0.,]*$)/, '').replace('-', '−');
 
-/** What one of the scan's units is called: "m", "ft (US)", "°"; where the scan does not tell it, "units". */
-export function unitName(crsUnit) {
+/** What the scan's unit is called: "m", "ft (US)", "°"; where the scan does not tell it, "units" - or "unit", of one. */
+export function unitName(crsUnit, count = 2) {
   const unit = known(crsUnit);
   const [, short] = metric.find(([size]) => size === metres[unit]) ?? [];
-  return short ?? feet[unit] ?? (unit || planStrings.scale.units);
+  return short ?? feet[unit] ?? (unit || planStrings.scale.units(count));
 }
 
 const decade = (length) => 10 ** Math.floor(Math.log10(length) + 1e-9);
@@ -36,7 +36,7 @@ export function roundAbove(least) {
 /** "20 cm", "1 km", "500 ft": a round length of the scan's unit. */
 export function lengthText(length, crsUnit) {
   const size = metres[known(crsUnit)];
-  if (!size) return `${Number(length.toPrecision(3)).toLocaleString('en', { maximumFractionDigits: 12 })} ${unitName(crsUnit)}`.replace(' °', '°');
+  if (!size) return `${Number(length.toPrecision(3)).toLocaleString('en', { maximumFractionDigits: 12 })} ${unitName(crsUnit, length)}`.replace(' °', '°');
   const inMetres = length * size;
   const [of, name] = metric.find(([one]) => inMetres >= one * (1 - 1e-9)) ?? metric.at(-1);
   return `${Number((inMetres / of).toPrecision(3)).toLocaleString('en', { maximumFractionDigits: 9 })} ${name}`;

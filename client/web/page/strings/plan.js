@@ -49,7 +49,7 @@ export const planStrings = {
     label: (length, where) => (where ? `Scale: ${length} ${where}` : `Scale: ${length}`),
     centre: 'at the centre',
     target: 'at the target',
-    units: 'units',
+    units: (count) => (count === 1 ? 'unit' : 'units'),
   },
 
   grid: { label: (step) => `Grid with lines every ${step}`, east: 'E', north: 'N' },

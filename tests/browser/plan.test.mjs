@@ -6,6 +6,7 @@ import { after, before, describe, it } from 'node:test';
 
 import { mapOf, movedTo } from '../../client/web/page/plan/minimap.js';
 import { choose, isTrue, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { clouds, FakeServer } from './support/fake_server.mjs';
 import { RealServer } from './support/real_server.mjs';
 import { writePlot } from './support/scans.mjs';
 
@@ -149,34 +150,38 @@ describe('plans and classes', { timeout: 120_000 }, () => {
     assert.ok(!(await page.isVisible('#plan-grid')), 'in perspective there is none');
   }));
 
-  it('the cube turns the view by a click and by keys, and turns with it', () => withPage(async (page) => {
-    const degrees = async () => {
-      const { azimuth, elevation } = await camera(page);
-      return [azimuth, elevation].map((angle) => Math.round((angle * 180) / Math.PI));
-    };
+  it('the cube turns the view by a click, a drag and by keys, and turns with it', () => withPage(async (page) => {
+    /** The camera looks from there, in degrees, once its flight is over. */
+    const looksFrom = (azimuth, elevation, within = 0.5) => page.waitForFunction(([wanted, tolerance]) => {
+      const { camera } = document.getElementById('view').viewer;
+      return [camera.azimuth, camera.elevation].every((angle, i) => Math.abs((angle * 180) / Math.PI - wanted[i]) < tolerance);
+    }, [[azimuth, elevation], within], { timeout: 8000 });
     const seenFaces = () => page.$$eval('#cube text.face:not([hidden])', (labels) => labels.map((label) => label.textContent).sort());
-    const click = async (direction) => {
-      await page.locator(`#cube .cell[data-direction="${direction}"]:not([hidden])`).first().click();
-      await atRest(page);
-    };
+    const click = (direction) => page.locator(`#cube .cell[data-direction="${direction}"]:not([hidden])`).first().click();
     const before = await pixels(page);
     await click('0 0 1');
-    assert.deepEqual(await degrees(), [-90, 90]);
+    await looksFrom(-90, 90);
     assert.deepEqual(await seenFaces(), ['Top']);
     assert.equal(await page.textContent('#cube text.north'), 'Y', 'nobody says that it is north');
+    await waitUntilSharp(page);
     assert.ok(!before.equals(await pixels(page)));
     await click('1 -1 1');
-    assert.deepEqual(await degrees(), [-45, 35]);
+    await looksFrom(-45, 35.26);
     assert.deepEqual(await seenFaces(), ['Front', 'Right', 'Top']);
     await click('1 0 0');
-    assert.deepEqual(await degrees(), [0, 0]);
+    await looksFrom(0, 0);
     assert.match(await page.getAttribute('#cube', 'aria-label'), /the right/);
+    const { x, y } = await page.locator('#cube').boundingBox();
+    await page.mouse.move(x + 56, y + 60);
+    await page.mouse.down();
+    await page.mouse.move(x + 36, y + 80, { steps: 4 });
+    await page.mouse.up();
+    await looksFrom(32, 32, 8);
     await page.focus('#cube');
     await page.keyboard.press('ArrowUp');
-    await atRest(page);
+    await looksFrom(45, 45);
     await page.keyboard.press('ArrowRight');
-    await atRest(page);
-    assert.deepEqual(await degrees(), [45, 45]);
+    await looksFrom(90, 45);
   }));
 
   it('the overview map is drawn once for each look, shows where one is, and leads to another place', () => withPage(async (page) => {
@@ -187,24 +192,48 @@ describe('plans and classes', { timeout: 120_000 }, () => {
     const outline = await page.getAttribute('#minimap .outline', 'd');
     const { bounds, look } = (await (await fetch(new URL('api/v1/clouds', url))).json()).clouds[0];
     const [map, from] = [mapOf(look?.bounds ?? bounds, 'z'), await camera(page)];
+    const looksAt = (pixel) => page.waitForFunction((wanted) => document.getElementById('view').viewer.camera.target
+      .every((value, i) => Math.abs(value - wanted[i]) < 0.5), movedTo(from, map, pixel).target, { timeout: 8000 });
     await page.locator('#minimap img').click({ position: { x: 30, y: 40 } });
-    await atRest(page);
-    const [there, wanted] = [(await camera(page)).target, movedTo(from, map, { x: 30, y: 40 }).target];
-    there.forEach((value, i) => assert.ok(Math.abs(value - wanted[i]) < 0.5, `${there} is not ${wanted}`));
+    await looksAt({ x: 30, y: 40 });
     assert.notEqual(await page.getAttribute('#minimap .outline', 'd'), outline);
     const { x, y } = await page.locator('#minimap img').boundingBox();
     await page.mouse.move(x + 30, y + 40);
     await page.mouse.down();
     await page.mouse.move(x + 80, y + 60, { steps: 5 });
     await page.mouse.up();
-    await waitUntilSharp(page);
-    const dragged = movedTo(from, map, { x: 80, y: 60 }).target;
-    (await camera(page)).target.forEach((value, i) => assert.ok(Math.abs(value - dragged[i]) < 0.5));
+    await looksAt({ x: 80, y: 60 });
     assert.equal(page.maps.length, 1, 'moving asks for no other picture');
     await page.uncheck('#class-list input[value="6"]');
     await isTrue(() => page.maps.length === 2, 'a map of the classes that are shown');
     assert.match(page.maps[1], /classes=2&/);
   }));
+
+  it('a scan may have all 256 classes: the list scrolls, and keys go through it', async () => {
+    const fake = new FakeServer();
+    const numbers = Array.from({ length: 256 }, (_, i) => i);
+    const each = (value) => Object.fromEntries(numbers.map((number) => [number, value]));
+    fake.clouds = [{ ...clouds[0], classes: numbers, classNames: { ...each('user defined'), 2: 'ground' }, classCounts: each(7), classColors: each('#5080a0'), attributes: [{ name: 'classification' }] }];
+    const page = await openPage(browser, await fake.start());
+    try {
+      await waitUntilSharp(page);
+      assert.equal(await page.locator('#class-list input:checked').count(), 256);
+      const [height, all] = await page.locator('#class-list').evaluate((list) => [list.clientHeight, list.scrollHeight]);
+      assert.ok(height <= 340 && all > 5000, `${height} of ${all} px`);
+      await page.focus('#class-list li:nth-child(255) .only');
+      await page.keyboard.press('Tab');
+      await page.keyboard.press(' ');
+      await isTrue(() => fake.received.at(-1).classes?.length === 255, 'all but the last');
+      assert.ok(await page.evaluate(() => document.activeElement.value === '255' && document.activeElement.getBoundingClientRect().bottom < innerHeight));
+      assert.equal(await page.getByRole('checkbox', { name: /^User defined \(77\) 7$/ }).count(), 1);
+      await choose(page, '#color', 'classification');
+      await page.waitForFunction(() => /and 231 more/.test(document.querySelector('#plan-legend')?.textContent));
+      assert.deepEqual(seriousComplaints(page), []);
+    } finally {
+      await page.context().close();
+      await fake.stop();
+    }
+  });
 
   it('what is switched on is remembered; presentations and phones keep what they have room for', async () => {
     await withPage(async (page) => {

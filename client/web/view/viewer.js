@@ -139,6 +139,8 @@ export class Viewer extends EventTarget {
   get catalog() { return this.#catalog; }
   get cloud() { return this.#cloud; }
   get camera() { return this.#camera; }
+  /** The camera, or, in flight, that which it will be. */
+  get destination() { return this.#flight?.to ?? this.#camera; }
   /** All that is asked for, as the protocol has it. */
   get view() { return this.#exchange.wanted; }
   /** The part of the canvas that nothing lies over. */

@@ -3,7 +3,7 @@
 // viewer's `shown`), and keep clear of whatever else floats over the picture, wherever that is in this window.
 
 import { poseOf } from '../../view/pose.js';
-import { focusOn } from '../../view/moves.js';
+import { focusOn, turnAbout } from '../../view/moves.js';
 import { element } from '../parameter_fields.js';
 import { planStrings } from '../strings/plan.js';
 import { Grid, planAxis } from './grid.js';
@@ -80,7 +80,11 @@ export class OnPicture {
 
   constructor(viewer) {
     this.#viewer = viewer;
-    this.#cube = new ViewCube((turn) => this.#turn(turn));
+    let held; // the point about which a drag of the cube turns
+    this.#cube = new ViewCube((turn) => this.#turn(turn), {
+      begin: () => { held = this.#middle ?? viewer.camera?.target; },
+      turn: (azimuth, elevation) => viewer.camera && held && viewer.changeCamera(turnAbout(viewer.camera, held, azimuth, elevation)),
+    });
     this.#minimap = new Minimap(viewer);
     this.#plan.addEventListener('click', () => this.togglePlan());
     this.#column.append(element('div', { id: 'cube-place' }, this.#cube.node, this.#plan), this.#legend.node, element('span', { className: 'space' }),
@@ -133,10 +137,15 @@ export class OnPicture {
 
   /** About what is seen in the middle of the picture. */
   #turn(turn) {
-    const { camera, cssSize } = this.#viewer;
+    const { camera, destination } = this.#viewer;
     if (!camera) return;
-    const seen = this.#viewer.surfaceAt({ x: cssSize.width / 2, y: cssSize.height / 2 });
-    this.#viewer.goTo(turn(seen ? focusOn(camera, seen.point) : camera));
+    const point = destination === camera ? this.#middle : undefined; // in flight, it is what it was
+    this.#viewer.goTo(turn(point ? focusOn(camera, point) : destination));
+  }
+
+  get #middle() {
+    const { width, height } = this.#viewer.cssSize;
+    return this.#viewer.surfaceAt({ x: width / 2, y: height / 2 })?.point;
   }
 
   #choose(name, on) {

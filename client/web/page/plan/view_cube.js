@@ -22,6 +22,7 @@ const inner = 0.58; // of a face's half: what is nearer to its border is an edge
 const ends = [-1, -inner, inner, 1];
 const cornersOfCell = [[0, 0], [1, 0], [1, 1], [0, 1]];
 const step = Math.PI / 4;
+const leastDrag = 4; // CSS pixels
 
 const along = ({ normal, right, up }, x, y) => [0, 1, 2].map((i) => normal[i] + x * right[i] + y * up[i]);
 
@@ -90,8 +91,8 @@ export class ViewCube {
   #cube = svg('g', {}, ...this.#cells.map(({ node }) => node), ...this.#labels.map(({ node }) => node));
   node = svg('svg', { id: 'cube', viewBox: '-1.8 -1.95 3.6 3.75', tabindex: '0', role: 'img' }, svg('title'), this.#cube, this.#arrow, this.#mark);
 
-  /** `turn(next)`: `next` makes a camera of a camera. */
-  constructor(turn) {
+  /** `turn(next)`: `next` makes a camera of a camera, where to fly. `drag` has begin() and turn(azimuth, elevation), in radians. */
+  constructor(turn, drag) {
     this.node.querySelector('title').textContent = words.tip;
     for (const { direction, node } of this.#cells) {
       node.dataset.direction = direction.join(' ');
@@ -99,6 +100,7 @@ export class ViewCube {
       node.addEventListener('pointerenter', () => this.#hover(direction));
       node.addEventListener('pointerleave', () => this.#hover(undefined));
     }
+    this.#bringDrags(drag);
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     this.node.addEventListener('keydown', (event) => {
       const by = Object.hasOwn(steps, event.key) && !event.shiftKey ? steps[event.key] : undefined;
@@ -107,6 +109,27 @@ export class ViewCube {
       event.stopPropagation(); // else the camera turns, too
       turn((camera) => (by ? steppedTo(camera, by[0], by[1]) : turnedTo(camera, [0, 0, 1])));
     });
+  }
+
+  /** What is grabbed follows the hand: across the cube's width is half a turn. A click is a drag that went nowhere. */
+  #bringDrags(drag) {
+    let last; // where the pointer was, and whether it has gone anywhere
+    this.node.addEventListener('pointerdown', ({ clientX, clientY, button }) => {
+      if (button === 0) last = { x: clientX, y: clientY, moves: false };
+    });
+    this.node.addEventListener('pointermove', ({ clientX, clientY, pointerId }) => {
+      if (!last) return;
+      const [x, y] = [clientX - last.x, clientY - last.y];
+      if (!last.moves && Math.hypot(x, y) < leastDrag) return;
+      if (!last.moves) {
+        this.node.setPointerCapture(pointerId); // the cells hear of no click then
+        drag.begin();
+      }
+      last = { x: clientX, y: clientY, moves: true };
+      const turn = Math.PI / this.node.clientWidth;
+      drag.turn(-x * turn, y * turn);
+    });
+    for (const name of ['pointerup', 'pointercancel']) this.node.addEventListener(name, () => { last = undefined; });
   }
 
   #hover(direction) {

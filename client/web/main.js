@@ -287,7 +287,7 @@ addEventListener('keydown', (event) => {
   const tool = rail.withKey(key);
   if ((!Object.hasOwn(shortcuts, key) && !tool) || !(isForView(event) || closesHelp)) return;
   event.preventDefault(); // a menu that has the focus would go to its next entry of that letter
-  if (presentation.isOn && ['p', 'v'].includes(key)) return; // what they open is not there
+  if (presentation.isOn && ['p', 'v', 'n'].includes(key)) return; // what they open is not there
   if (tool) rail.activate(tool);
   else shortcuts[key](event);
 });

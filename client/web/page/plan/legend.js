@@ -8,6 +8,7 @@ import { unitName } from './lengths.js';
 
 const words = planStrings.legend;
 const mostClasses = 24;
+const withRange = ['intensity', 'elevation', 'depth', 'curvature'];
 const inUnits = ['elevation', 'depth'];
 
 const sourceOf = (color) => (color ?? '').split('*')[0];
@@ -50,9 +51,10 @@ export function legendOf({ view = undefined, cloud = undefined, ramps = /** @typ
     return { title, classes: listed, more: shown.length - listed.length };
   }
   if (source === 'lod' && ramps.lod) return { title, colors: ramps.lod, isStepped: true, ends: [words.level(0), words.level(ramps.lod.length - 1)], note: words.levels };
-  const colors = source === 'curvature' ? ramps.curvature : ramps[known?.colormap || view.colormap];
-  const range = known?.range ?? (view.range && ['intensity', 'elevation', 'depth', 'curvature'].includes(source) ? view.range : undefined);
-  if (!colors || !range) return undefined;
+  // What the view says holds at once; the rest the server tells with the picture.
+  const colors = source === 'curvature' ? ramps.curvature : ramps[view.color === 'auto' ? known?.colormap : view.colormap];
+  const range = view.range ?? known?.range;
+  if (!withRange.includes(source) || !colors || !range) return undefined;
   const unit = unitName(cloud.crsUnit);
   const of = inUnits.includes(source) ? unit : source === 'curvature' ? words.inverse(unit) : '';
   return { title, colors, ends: rangeText(range), unit: of };

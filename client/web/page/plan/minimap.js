@@ -157,6 +157,7 @@ export class Minimap {
   show(shown) {
     this.#shown = shown;
     if (!this.#map || !shown) return;
+    if (this.#viewer.camera.upAxis !== this.#map.camera.upAxis) this.renew(); // another side of the cloud is its top now
     const { eye, outline } = shownOnMap(this.#map, shown.pose, shown.size.width / shown.size.height);
     const { width, height } = this.#map.size;
     this.#outline.setAttribute('d', path(outline));

@@ -134,6 +134,7 @@ on('frame', (frame) => {
 on('unreadable', () => overlays.toast(strings.messages.unreadable, strings.messages.unreadableDetail));
 on('stats', (stats) => {
   chosen.told(stats, viewer.cloud);
+  controls.told(stats);
   showMethod();
   hud.stats(stats);
 });

@@ -48,6 +48,7 @@ export class ColourChoice {
   #choice;
   #ramps;
   #ends; // fields of the range
+  #told = new Map(); // source → the ends that the server chose for this cloud
   #offered = ''; // what is offered now: filled in anew only when that is something else
 
   /** `style(changes)` hears of what was chosen. */
@@ -71,6 +72,7 @@ export class ColourChoice {
 
   showCloud(cloud) {
     this.#cloud = cloud;
+    this.#told.clear();
     this.#offered = '';
   }
 
@@ -92,6 +94,14 @@ export class ColourChoice {
       input.placeholder = usual ? String(Number(usual[i].toPrecision(6))) : [words.lowHint, words.highHint][i];
       this.#ends[i].show(view.range ? view.range[i] : '');
     });
+  }
+
+  /** What the server says of a picture: the ends that it chose for a ramp. Those of depth are the camera's, and other ones each time. */
+  told({ color, range }) {
+    const source = factorsOf(color)[0];
+    if (!range || this.#view.range || this.#view.color !== color || source === 'depth') return;
+    this.#told.set(source, range);
+    this.show(this.#view);
   }
 
   #offer(method) {
@@ -119,6 +129,7 @@ export class ColourChoice {
   #usualRange(color) {
     const bounds = this.#cloud?.bounds;
     const [source] = factorsOf(color);
+    if (this.#told.has(source)) return this.#told.get(source);
     if (source === 'elevation' && bounds) return [bounds.min[2], bounds.max[2]];
     return (this.#cloud?.attributes ?? []).find((one) => one.name === source)?.range;
   }

@@ -20,7 +20,7 @@ const usual = { cube: true, scaleBar: true, legend: true, grid: false, minimap: 
 const gap = 8; // CSS pixels between them and what else floats there
 /** What is left out, one after the other, where there is no room for all of them. */
 const rooms = ['enough', 'no-map', 'no-legend', 'no-cube', 'none'];
-const floating = '.title, .actions, .views, #hud, #rail, #credit, #lack, #loading, #hint:not(.learned), #leave-presentation';
+const floating = '.title, .actions, .views, #hud, #rail, #credit, #lack, #loading, #hint, #leave-presentation';
 
 /** What was chosen in this browser, whatever it kept. Pure. */
 export function chosenOf(kept) {
@@ -97,6 +97,7 @@ export class OnPicture {
     const changes = new MutationObserver(() => this.#placeSoon());
     changes.observe(document.body, { attributes: true, attributeFilter: ['class', 'data-sheet'] });
     changes.observe(find('hint'), { attributes: true, attributeFilter: ['class'] });
+    find('hint').addEventListener('transitionend', () => this.#placeSoon());
     for (const name of ['shown', 'cloud']) viewer.addEventListener(name, () => this.#show());
     viewer.addEventListener('catalog', ({ detail }) => { this.#ramps = detail.ramps; });
     viewer.addEventListener('stats', ({ detail }) => {
@@ -221,7 +222,8 @@ export class OnPicture {
   /** Between what floats over the picture at its right side. */
   #place() {
     const picture = find('picture').getBoundingClientRect();
-    const boxes = [...document.querySelectorAll(floating)].map((node) => node.getBoundingClientRect()).filter(({ width, height }) => width > 0 && height > 0);
+    const isSeen = (node) => node.id !== 'hint' || getComputedStyle(node).opacity !== '0'; // it fades once it is learned
+    const boxes = [...document.querySelectorAll(floating)].filter(isSeen).map((node) => node.getBoundingClientRect()).filter(({ width, height }) => width > 0 && height > 0);
     const { left, right } = this.#column.getBoundingClientRect();
     const [top, bottom] = freeStretch(boxes, { left, right }, picture);
     this.#column.style.top = `${top}px`;

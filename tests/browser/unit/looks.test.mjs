@@ -1,6 +1,7 @@
 // What the page offers and how it says it: the pure parts of panel, rail and galleries.
 
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { describe, it } from 'node:test';
 
 import { backgroundNamed } from '../../../client/web/page/controls.js';

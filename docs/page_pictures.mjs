@@ -13,6 +13,7 @@ import { PageProxy } from '../tests/browser/support/page_proxy.mjs';
 import { RealServer } from '../tests/browser/support/real_server.mjs';
 
 const [, , program, ...clouds] = process.argv;
+const only = process.env.ONLY; // one picture's name, to make that one alone
 if (!program || clouds.length === 0) {
   console.error('Usage: node docs/page_pictures.mjs SCANCAST CLOUD…   (an example is at the top of this file)');
   process.exit(2);
@@ -33,6 +34,7 @@ const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile:
 
 /** One picture: `use(page)` brings the page to what is to be seen. */
 async function take(name, options, hash, use = async () => {}, quality = 82) {
+  if (only && only !== name) return;
   const context = await browser.newContext({ colorScheme: 'dark', ...options });
   const page = await context.newPage();
   await page.goto(`${url}#${hash}`);
@@ -67,6 +69,23 @@ await take('plan', { viewport: { width: 960, height: 660 } }, `cloud=${first}&co
 }, 66);
 await take('tablet', { ...tablet, colorScheme: 'light' }, `cloud=${last}`);
 await take('phone', phone, `cloud=${last}`);
+
+// Somebody who measures; the card covers the left of the picture.
+const near = 'eye=389500,5819655,100&target=389500,5819765,36&up=0,0,1&projection=perspective&fov=45'; // of the generated town
+await take('measure', { viewport: { width: 1000, height: 580 } }, `cloud=${first}&${near}`, async (page) => {
+  await page.keyboard.press('p');
+  await page.waitForTimeout(500);
+  await page.keyboard.press('m');
+  for (const [kind, places] of [['height', [[499, 170], [500, 66]]], ['area', [[470, 462], [570, 458], [575, 506], [458, 510]]], ['distance', [[702, 430], [664, 312], [628, 242]]]]) {
+    await page.check(`#measure-kinds input[value=${kind}]`);
+    for (const [x, y] of places) {
+      await page.mouse.click(x, y);
+      await page.waitForTimeout(900);
+    }
+    await page.keyboard.press('Enter');
+    await page.waitForTimeout(300);
+  }
+}, 46);
 
 await browser.close();
 await proxy.stop();

@@ -111,6 +111,14 @@ export class Server {
     return response.json();
   }
 
+  /** What the scan's points say: volumes, fitted shapes. `question` as the protocol has it ("A measurement"). */
+  async measure(cloud, question) {
+    const response = await this.ask(`${pathOf(cloud)}/measure`, {
+      method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(question), signal: AbortSignal.timeout(12 * patienceMs),
+    });
+    return response.json();
+  }
+
   /** Gets a pass for the guest's link of this tab, and goes on renewing it; resolves to its cloud's id, throws what the server refuses with. */
   async enterAsGuest() {
     clearTimeout(this.#renewal);

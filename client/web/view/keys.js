@@ -30,6 +30,8 @@ export const keyTable = [
   ['G N', 'grid; overview map'],
   ['L', 'switch dragging between orbit and look around'],
   ['O', 'perspective or orthographic'],
+  ['M', 'measure; then Space takes the point in the middle'],
+  ['X', 'cut by boxes'],
   ['V', 'suggested views'],
   ['H', 'presentation: the picture and nothing else'],
   ['Ctrl Z', 'previous view (with Shift: the next)'],

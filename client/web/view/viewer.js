@@ -185,9 +185,10 @@ export class Viewer extends EventTarget {
    * The point of the scan that is seen under a cursor, as the protocol has it ("A picked point"); null where there is none. Rejects
    * with what the server refuses with.
    */
-  pickAt({ x, y }) {
-    const { width, height } = this.#picture.size;
-    const scale = width / this.#picture.cssSize.width;
+  async pickAt({ x, y }) {
+    const { size: { width, height }, cssSize } = this.#picture;
+    if (x < 0 || y < 0 || x >= cssSize.width || y >= cssSize.height) return null;
+    const scale = width / cssSize.width;
     const { cloud, ...view } = this.view;
     return this.server.pick(cloud, { ...view, width, height }, { x: x * scale, y: y * scale });
   }

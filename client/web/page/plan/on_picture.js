@@ -20,7 +20,7 @@ const usual = { cube: true, scaleBar: true, legend: true, grid: false, minimap: 
 const gap = 8; // CSS pixels between them and what else floats there
 /** What is left out, one after the other, where there is no room for all of them. */
 const rooms = ['enough', 'no-map', 'no-legend', 'no-cube', 'none'];
-const floating = '.title, .actions, .views, #hud, #rail, #credit, #lack, #loading, #hint, #leave-presentation';
+const floating = '.title, .actions, .views, .card, #hud, #rail, #credit, #lack, #loading, #hint, #leave-presentation';
 
 /** What was chosen in this browser, whatever it kept. Pure. */
 export function chosenOf(kept) {
@@ -89,7 +89,8 @@ export class OnPicture {
     this.#plan.addEventListener('click', () => this.togglePlan());
     this.#column.append(element('div', { id: 'cube-place' }, this.#cube.node, this.#plan), this.#legend.node, element('span', { className: 'space' }),
       this.#minimap.node, this.#scaleBar.node);
-    find('view').after(this.#grid.node, this.#column);
+    find('view').after(this.#grid.node);
+    find('marks').after(this.#column); // above what tools draw onto the picture
     this.#fillPanel();
     this.#apply();
     const watcher = new ResizeObserver(() => this.#placeSoon());

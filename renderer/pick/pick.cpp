@@ -16,9 +16,6 @@
 #include "renderer/style.hpp"
 
 namespace scancast {
-namespace {
-
-}  // namespace
 
 bool isDrawn(const SampleFilter& filter, const glm::dvec3& p, const Sample& sample) {
     if (filter.classes && !(*filter.classes)[sample.classification]) return false;

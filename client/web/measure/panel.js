@@ -95,7 +95,9 @@ export class Panel {
     find('measure-redo').disabled = !measures.canRedo;
     for (const id of ['export-csv', 'export-dxf', 'export-geojson']) find(id).disabled = list.length === 0;
     find('measure-list').replaceChildren(...list.map((one) => this.#row(one, one.id === selected, unit)));
-    if (selected !== undefined && selected !== this.#open) find('measure-list').querySelector('li:has([aria-expanded="true"])')?.scrollIntoView({ block: 'nearest' });
+    // All of what has been opened, or, where that is too much, its beginning.
+    const opened = selected !== this.#open ? find('measure-list').querySelector('li:has([aria-expanded="true"])') : null;
+    for (const part of [opened, opened?.querySelector('.head')]) part?.scrollIntoView({ block: 'nearest' });
     this.#open = selected;
     // What had the focus may be gone; then the next best has it, and never nothing.
     if (focused && !this.focus(focused)) (find('measure-list').querySelector('button') ?? find('close-measuring')).focus();

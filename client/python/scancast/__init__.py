@@ -21,14 +21,15 @@ from .errors import (BadAnswer, Conflict, ConnectionFailed, DeadlineExceeded, Fi
                      NotFound, Refused, ScancastError, ServerFault, TimedOut, TooLarge, TooManyRequests, Unauthorized, Unavailable)
 from .facts import (Attribute, Bounds, CloudFacts, Column, Live, Look, LookView, Method, Methods, Mirror, NamedView, Parameter, PendingCloud,
                     Photo, PhotoAngles, PhotoStation, PickedPoint, Pose, Station)
-from .live import Frame, LiveView
+from .frames import DepthCells, Frame
+from .live import LiveView
 from .picture import DepthPicture, Picture
 from .server import Server
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "Attribute", "BadAnswer", "Bounds", "Cloud", "CloudFacts", "Column", "Conflict", "ConnectionFailed", "DeadlineExceeded", "DepthPicture",
+    "Attribute", "BadAnswer", "Bounds", "Cloud", "CloudFacts", "Column", "Conflict", "ConnectionFailed", "DeadlineExceeded", "DepthCells", "DepthPicture",
     "FieldError", "Forbidden", "Frame", "Impossible", "InvalidArgument", "Live", "LiveView", "Look", "LookView", "Method", "Methods", "Mirror",
     "MissingLibrary", "NamedView", "NotFound", "Page", "Parameter", "PendingCloud", "Photo", "PhotoAngles", "PhotoStation", "PickedPoint",
     "Picture", "Pose", "Refused", "ScancastError", "Server", "ServerFault", "Station", "TimedOut", "TooLarge", "TooManyRequests",

@@ -51,7 +51,7 @@ def _value(kind: Any, value: Any, what: str) -> Any:
         except ValueError as error:
             raise error if isinstance(error, BadAnswer) else _wrong(what, f"object with names that are {key.__name__}") from None
     if dataclasses.is_dataclass(kind):
-        return decode(kind, value, what)  # type: ignore[arg-type]
+        return decode(kind, value, what)
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         return float(value)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
@@ -64,7 +64,7 @@ def decode(kind: Type[T], told: Any, what: str) -> T:
     if not isinstance(told, dict):
         raise _wrong(what, "object")
     values: Dict[str, Any] = {}
-    for field, hint in _fields(kind):
+    for field, hint in _fields(kind):  # type: ignore[arg-type]
         if field.name == "json":
             values["json"] = told
             continue

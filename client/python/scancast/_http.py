@@ -12,11 +12,12 @@ import socket
 import ssl
 import threading
 import time
-from typing import Any, Dict, Iterator, Mapping, NamedTuple, Optional, Union
+from typing import Any, Callable, Dict, Iterator, Mapping, NamedTuple, Optional, TypeVar, Union
 from urllib.parse import unquote, urlsplit
 
 from . import errors
 
+T = TypeVar("T")
 _TOKEN = re.compile(r"[\x21-\x7e]{1,8192}")
 _JSON_LIMIT = 256 << 20
 _PROBLEM_LIMIT = 1 << 20
@@ -76,9 +77,23 @@ def checked_token(token: str) -> str:
     return token
 
 
+class Headers(Dict[str, str]):
+    """By name, in any case; of several of a name, the last."""
+
+    @classmethod
+    def of(cls, response: http.client.HTTPResponse) -> "Headers":
+        return cls({name.lower(): value for name, value in response.headers.items()})
+
+    def get(self, name: str, default: Optional[str] = None) -> Optional[str]:  # type: ignore[override]
+        return super().get(name.lower(), default)
+
+    def text(self, name: str) -> str:
+        return self.get(name) or ""
+
+
 class Answer(NamedTuple):
     status: int
-    headers: Mapping[str, str]  # an http.client.HTTPMessage: names in any case
+    headers: Headers
     body: bytes
 
 
@@ -88,7 +103,7 @@ class Body:
     def __init__(self, response: http.client.HTTPResponse, where: str) -> None:
         self._response = response
         self._where = where
-        self.headers: Mapping[str, str] = response.headers
+        self.headers = Headers.of(response)
 
     def read(self, size: int) -> bytes:
         with _told(self._where):
@@ -174,7 +189,7 @@ class Transport:
         """The answer, 304 included. Refusals are exceptions; those that say when to ask again are waited for, for `patience` seconds in all."""
         return self._patiently(lambda: self._once(method, path, body, accept, headers, limit, self.token()))
 
-    def _patiently(self, ask: Any) -> Any:
+    def _patiently(self, ask: Callable[[], T]) -> T:
         end = time.monotonic() + self.patience
         while True:
             try:
@@ -210,13 +225,13 @@ class Transport:
 
     def _refusal(self, response: http.client.HTTPResponse) -> errors.Refused:
         body = _read(response, _PROBLEM_LIMIT, self.address.authority)
-        return refusal(self.address, response.status, response.headers, body)
+        return refusal(self.address, response.status, Headers.of(response), body)
 
     def _once(self, method: str, path: str, body: Any, accept: str, headers: Optional[Mapping[str, str]], limit: int,
               token: Optional[str] = None) -> Answer:
         with self._response(method, path, body, accept, headers, token) as response:
             with _told(self.address.authority):
-                return Answer(response.status, response.headers, _read(response, limit, self.address.authority))
+                return Answer(response.status, Headers.of(response), _read(response, limit, self.address.authority))
 
     @contextlib.contextmanager
     def stream(self, method: str, path: str, body: Any, accept: str) -> Iterator[Body]:
@@ -242,7 +257,7 @@ def _read(response: http.client.HTTPResponse, limit: int, where: str) -> bytes:
     return bytes(body)
 
 
-def refusal(address: Address, status: int, headers: Mapping[str, str], body: Union[bytes, bytearray]) -> errors.Refused:
+def refusal(address: Address, status: int, headers: Headers, body: Union[bytes, bytearray]) -> errors.Refused:
     """What a server refused with."""
     told: Any = None
     if (headers.get("Content-Type") or "").startswith("application/problem+json"):

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any, Mapping, Sequence, Tuple, Union
+from typing import Any, Dict, Mapping, Sequence, Tuple, Union
 
 Vector = Sequence[float]
 """Three numbers: a list, a tuple, a NumPy array."""
@@ -77,7 +77,7 @@ def number_text(value: Union[int, float]) -> str:
     return repr(value)
 
 
-def merged(base: Mapping[str, Any], more: Mapping[str, Any], deep: Tuple[str, ...] = ("camera", "light", "param")) -> dict:
+def merged(base: Mapping[str, Any], more: Mapping[str, Any], deep: Tuple[str, ...] = ("camera", "light", "param")) -> Dict[str, Any]:
     """`base` with what `more` says; of `deep` members, their members."""
     result = dict(base)
     for key, value in more.items():

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Protocol, 
 from urllib.parse import quote
 
 from . import errors, words
+from ._values import camel, plain
 from ._decode import decode, decode_list
 from ._http import Answer, Transport
 from .facts import Attribute, Bounds, CloudFacts, NamedView, Photo, PickedPoint, Station
@@ -151,20 +152,24 @@ class Cloud:
     def photo(self, index: int) -> Picture:
         """One of them, as it was taken."""
         answer = self._transport.ask("GET", self._path(f"photos/{int(index)}"), accept="image/*")
-        return Picture(answer.body, answer.headers.get("Content-Type", ""), etag=answer.headers.get("ETag", ""))
+        return Picture(answer.body, answer.headers.text("Content-Type"), etag=answer.headers.text("ETag"))
 
     # ---- pictures
 
     def _judged(self, refusal: errors.InvalidArgument, given: Mapping[str, Any]) -> errors.ScancastError:
         """A view as JSON is refused with less advice than a query, where a word is none: then the server is asked what it makes of that."""
-        if words.unknown(given):
+        better: errors.ScancastError = refusal
+        unknown = words.unknown(given)
+        if unknown:
             try:
                 self._listed("views", given)
-            except errors.InvalidArgument as better:
-                return better
+            except errors.InvalidArgument as advice:
+                better = advice
             except errors.ScancastError:
                 pass
-        return refusal
+        for word in unknown:
+            better._spell(camel(word), word)
+        return better
 
     def _asked(self, what: str, body: Any, given: Mapping[str, Any], accept: str, known: str = "") -> Answer:
         try:
@@ -189,11 +194,11 @@ class Cloud:
         if answer.status == 304 and known:
             return known
         said = answer.headers
-        kind = said.get("Content-Type", "")
+        kind = said.text("Content-Type")
         if not kind.startswith("image/"):
             raise errors.BadAnswer(f"{self._transport.address.authority} answered with {kind or 'nothing'} in place of a picture")
-        return Picture(answer.body, kind, said.get("Scancast-Method", ""), said.get("Scancast-Method-Reason", ""), said.get("ETag", ""),
-                       _count(said.get("Scancast-Damaged")), said.get("Server-Timing", ""), _float(said.get("Scancast-Price")))
+        return Picture(answer.body, kind, said.text("Scancast-Method"), said.text("Scancast-Method-Reason"), said.text("ETag"),
+                       _count(said.get("Scancast-Damaged")), said.text("Server-Timing"), _float(said.get("Scancast-Price")))
 
     def save(self, path: Path, view: AnyView = None, **given: "Unpack[ViewWords]") -> Picture:
         """Writes a picture: PNG or JPEG, as the file's name says."""
@@ -211,8 +216,8 @@ class Cloud:
         width, height = _count(said.get("Scancast-Width")), _count(said.get("Scancast-Height"))
         if not width or len(answer.body) != 4 * width * height:
             raise errors.BadAnswer(f"{self._transport.address.authority} answered with {len(answer.body)} bytes for a depth of {width} x {height}")
-        return DepthPicture(answer.body, width, height, said.get("Scancast-Method", ""), said.get("Scancast-Method-Reason", ""),
-                            said.get("ETag", ""), _count(said.get("Scancast-Damaged")))
+        return DepthPicture(answer.body, width, height, said.text("Scancast-Method"), said.text("Scancast-Method-Reason"),
+                            said.text("ETag"), _count(said.get("Scancast-Damaged")))
 
     def depth(self, view: AnyView = None, **given: "Unpack[ViewWords]") -> "numpy.ndarray[Any, Any]":
         """The same as an array: float32 of shape (height, width), in the cloud's unit, +infinity where nothing is."""
@@ -220,7 +225,7 @@ class Cloud:
 
     def pick(self, x: float, y: float, view: AnyView = None, **given: "Unpack[ViewWords]") -> Optional[PickedPoint]:
         """The scan's point that a pixel shows, counted from the top left corner; None for background."""
-        body = {"view": view_json(view, given), "x": words.plain(x, "x"), "y": words.plain(y, "y")}
+        body = {"view": view_json(view, given), "x": plain(x, "x"), "y": plain(y, "y")}
         answer = self._asked("pick", body, given, "application/json")
         told = self._transport._json_of(answer)
         return None if told is None else decode(PickedPoint, told, "point")

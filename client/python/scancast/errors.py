@@ -54,6 +54,12 @@ class ScancastError(Exception):
         self.errors = []
         self.nearest = {}
 
+    def _spell(self, theirs: str, ours: str) -> None:
+        """Names a word as whoever wrote it did."""
+        self.detail = self.detail.replace(theirs, ours)
+        self.args = (self.detail,)
+        self.errors = [FieldError(one.parameter, one.detail.replace(theirs, ours)) for one in self.errors]
+
 
 class ConnectionFailed(ScancastError, ConnectionError):
     """There is no connection, or it broke."""
@@ -153,7 +159,8 @@ def problem(told: Mapping[str, Any], status: int = 0, retry_after: Optional[str]
             error.errors.append(FieldError(snake(str(one.get("parameter", ""))), _as_python_says(str(one.get("detail", "")))))
     nearest = told.get("nearest")
     if isinstance(nearest, dict):
-        error.nearest = {snake(str(word)): value for word, value in nearest.items()}
+        error.nearest = {snake(str(word)): int(value) if isinstance(value, float) and value.is_integer() else value
+                         for word, value in nearest.items()}
     return error
 
 

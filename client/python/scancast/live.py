@@ -92,17 +92,16 @@ class LiveView:
         self.skipped = 0
         """Frames that a newer one overtook before anybody took them."""
         self._resume = ""
+        self._connected = True
+        self._thread = threading.Thread(target=self._run, name="scancast-live", daemon=True)
+        wrong: Optional[errors.ScancastError] = None
         try:
             self._socket, self._welcome = self._open({**self._fixed, **_said_first(view)})
         except errors.InvalidArgument as refusal:
-            better = judge(refusal, given)
-        else:
-            better = None
-        if better is not None:
-            raise better
+            wrong = judge(refusal, given)
+        if wrong is not None:
+            raise wrong
         self._welcomed()
-        self._connected = True
-        self._thread = threading.Thread(target=self._run, name="scancast-live", daemon=True)
         self._thread.start()
 
     def __repr__(self) -> str:
@@ -256,7 +255,7 @@ class LiveView:
                 if message is None:
                     raise errors.TimedOut("the server did not welcome the view in time")
                 if message.kind == CLOSE:
-                    raise _Ended(*message.data)  # type: ignore[misc]
+                    raise _Ended(*message.data)
                 if message.kind == BINARY:
                     raise errors.BadAnswer("a frame came before the welcome")
                 told = _read_json(str(message.data))
@@ -308,7 +307,7 @@ class LiveView:
             if message.kind == CLOSE:
                 if self._closed:
                     return
-                raise _Ended(*message.data)  # type: ignore[misc]
+                raise _Ended(*message.data)
             if message.kind == BINARY:
                 self._take_frame(parse_frame(message.data))  # type: ignore[arg-type]
                 continue

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import PIL.Image
 
 MEDIA_TYPES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg"}
+Bytes = bytes  # where a class has a field of that name
 Path = Union[str, "os.PathLike[str]"]
 
 
@@ -87,10 +88,10 @@ class Picture:
         with whole_file(path) as file:
             file.write(self.bytes)
 
-    def _repr_png_(self) -> Optional[bytes]:
+    def _repr_png_(self) -> Optional[Bytes]:
         return self.bytes if self.media_type == "image/png" else None
 
-    def _repr_jpeg_(self) -> Optional[bytes]:
+    def _repr_jpeg_(self) -> Optional[Bytes]:
         return self.bytes if self.media_type == "image/jpeg" else None
 
 

@@ -17,7 +17,7 @@ import time
 from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from . import errors
-from ._http import Address, _told, refusal
+from ._http import Address, Headers, _told, refusal
 
 CONTINUATION, TEXT, BINARY, CLOSE, PING, PONG = 0x0, 0x1, 0x2, 0x8, 0x9, 0xA
 _GUID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
@@ -281,7 +281,7 @@ class WebSocket:
                 text, _, rest = bytes(data).partition(b"\r\n\r\n")
                 head = parse_head(text)
                 if head.status != 101:
-                    raise refusal(address, head.status, _Titled(head.headers), _refusal_body(connected, head, rest))
+                    raise refusal(address, head.status, Headers(head.headers), _refusal_body(connected, head, rest))
                 check_upgrade(head, key, subprotocol)
                 return cls(connected, where, timeout, limit, rest)
             except BaseException:
@@ -361,7 +361,7 @@ class WebSocket:
                 elif message.kind != PONG:
                     if message.kind == CLOSE:
                         self._gone = True
-                        code = message.data[0]  # type: ignore[index]
+                        code = message.data[0]
                         self._say_close(1000 if code == 1005 else int(code), "")
                     return message
             if self._error is not None:
@@ -405,13 +405,6 @@ class WebSocket:
             pass
         with self._use:
             self._socket.close()
-
-
-class _Titled(Dict[str, str]):
-    """Headers by any spelling of their names."""
-
-    def get(self, name: str, default: Optional[str] = None) -> Optional[str]:  # type: ignore[override]
-        return super().get(name.lower(), default)
 
 
 def _refusal_body(connected: socket.socket, head: Head, begun: bytes) -> bytes:

@@ -8,7 +8,8 @@ from __future__ import annotations
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 from urllib.parse import quote
 
-from ._values import box, camel, merged, number_text, plain as plain
+from ._shapes import shapes_of, shapes_text
+from ._values import box, camel, merged, number_text, plain
 from ._view_words import AUTOMATIC, PLACES
 
 View = Dict[str, Any]
@@ -43,6 +44,8 @@ def view_of(words: Mapping[str, Any], base: Optional[Mapping[str, Any]] = None) 
             value = _nested(name, value)
         elif name == "clip":
             value = box(value)
+        elif name == "clips" and isinstance(value, str) and value != "auto":
+            value = shapes_of(value)
         elif name == "classes" and value == "none":
             value = []
         place = PLACES.get(name, (camel(name),))
@@ -110,6 +113,8 @@ def words_text(view: Mapping[str, Any]) -> List[Tuple[str, str]]:
             said += [(f"{key}.{name}", _text(item)) for name, item in value.items() if item is not None or key == "light"]
         elif key == "classes" and value == []:
             said.append((key, "none"))
+        elif key == "clips" and value is not None:
+            said.append((key, shapes_text(value)))
         elif key == "background" and value is None:
             said.append((key, _DEFAULT_BACKGROUND))
         else:
@@ -123,4 +128,4 @@ def query(pairs: List[Tuple[str, str]]) -> str:
     >>> query([("eye", "0,-10,2"), ("color", "#ff0000")])
     'eye=0,-10,2&color=%23ff0000'
     """
-    return "&".join(f"{quote(word, safe='')}={quote(text, safe=',:*')}" for word, text in pairs)
+    return "&".join(f"{quote(word, safe='')}={quote(text, safe=',:;*')}" for word, text in pairs)

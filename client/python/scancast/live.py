@@ -280,18 +280,23 @@ class LiveView:
 
     def _run(self) -> None:
         """The thread: receives until the end."""
-        while True:
-            try:
-                self._receive()
-                return
-            except errors.ScancastError as error:
-                if self._closed or not self._comes_back(error):
-                    break
-        with self._change:
-            self._error = self._error or error
-            self._connected = False
-            self._change.notify_all()
-        self._socket.drop()
+        why: Optional[errors.ScancastError] = None
+        try:
+            while why is None:
+                try:
+                    self._receive()
+                    return
+                except errors.ScancastError as error:
+                    if self._closed or not self._comes_back(error):
+                        why = error
+        finally:  # whatever happened, nobody waits for this thread any more
+            with self._change:
+                if not self._closed:
+                    self._error = self._error or why or errors.BadAnswer("what the server sent could not be understood")
+                self._connected = False
+                self._change.notify_all()
+            if not self._closed:
+                self._socket.drop()
 
     def _receive(self) -> None:
         """Until this side has closed, or something is wrong."""

@@ -33,6 +33,8 @@ constexpr auto drawSlice = std::chrono::milliseconds(5);
 constexpr auto soundAfter = std::chrono::seconds(10);
 constexpr auto firstPause = std::chrono::milliseconds(1000);
 constexpr auto longestPause = std::chrono::milliseconds(10000);
+/// Why ranks are gone is said at once, and the same again so often at most.
+constexpr auto saysTheSameEvery = std::chrono::minutes(10);
 
 Error ranksGone() {
     return {ErrorCode::Unavailable,
@@ -77,6 +79,8 @@ void JobKeeper::waitForFirstStart(std::chrono::milliseconds patience) const {
 
 void JobKeeper::run() {
     auto pause = std::chrono::milliseconds(0);
+    std::string said;
+    Clock::time_point saidAt{};
     for (;;) {
         const auto began = Clock::now();
         auto why = contained("Keeping the ranks", [this] { return runOnce(); });
@@ -87,13 +91,15 @@ void JobKeeper::run() {
         }
         if (Clock::now() - began > soundAfter) pause = {};
         const std::string sentence = why ? *why : why.error().message;
-        if (pause.count() == 0)
-            spdlog::error("The ranks are gone: {}. Pictures are drawn without them until they are back.",
-                          sentence);
-        else
+        if (sentence != said || Clock::now() - saidAt > saysTheSameEvery || pause.count() == 0) {
             spdlog::error(
-                "The ranks are gone: {}. Pictures are drawn without them; they are started again in {} s.",
-                sentence, pause.count() / 1000);
+                "The ranks are gone: {}. Pictures are drawn without them; they are started again until they "
+                "are "
+                "back.",
+                sentence);
+            said = sentence;
+            saidAt = Clock::now();
+        }
         if (!waitBeforeNext(pause)) return;
         pause = std::clamp(pause * 2, firstPause, longestPause);
     }

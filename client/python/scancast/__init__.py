@@ -16,10 +16,11 @@
 It needs nothing but Python's own library; NumPy and Pillow make arrays and images, anywidget a view that a notebook moves by hand. The words
 of a view are the protocol's (protocol/PROTOCOL.md) in snake_case. What goes wrong is a ScancastError.
 """
+from ._exports import Measured, PointStream, ProfilePicture, Saved
 from .cloud import Cloud, Page
 from .errors import (BadAnswer, Conflict, ConnectionFailed, DeadlineExceeded, FieldError, Forbidden, Impossible, InvalidArgument, MissingLibrary,
                      NotFound, Refused, ScancastError, ServerFault, TimedOut, TooLarge, TooManyRequests, Unauthorized, Unavailable)
-from .facts import (Attribute, Bounds, CloudFacts, Column, Live, Look, LookView, Method, Methods, Mirror, NamedView, Parameter, PendingCloud,
+from .facts import (Attribute, Bounds, CloudFacts, Column, Crs, Live, Look, LookView, Method, Methods, Mirror, NamedView, Parameter, PendingCloud,
                     Photo, PhotoAngles, PhotoStation, PickedPoint, Pose, Station)
 from .frames import DepthCells, Frame
 from .live import LiveView
@@ -29,9 +30,9 @@ from .server import Server
 __version__ = "0.1.0"
 
 __all__ = [
-    "Attribute", "BadAnswer", "Bounds", "Cloud", "CloudFacts", "Column", "Conflict", "ConnectionFailed", "DeadlineExceeded", "DepthCells", "DepthPicture",
-    "FieldError", "Forbidden", "Frame", "Impossible", "InvalidArgument", "Live", "LiveView", "Look", "LookView", "Method", "Methods", "Mirror",
+    "Attribute", "BadAnswer", "Bounds", "Cloud", "CloudFacts", "Column", "Conflict", "ConnectionFailed", "Crs", "DeadlineExceeded", "DepthCells", "DepthPicture",
+    "FieldError", "Forbidden", "Frame", "Impossible", "InvalidArgument", "Live", "LiveView", "Look", "LookView", "Method", "Methods", "Measured", "Mirror",
     "MissingLibrary", "NamedView", "NotFound", "Page", "Parameter", "PendingCloud", "Photo", "PhotoAngles", "PhotoStation", "PickedPoint",
-    "Picture", "Pose", "Refused", "ScancastError", "Server", "ServerFault", "Station", "TimedOut", "TooLarge", "TooManyRequests",
+    "Picture", "PointStream", "Pose", "ProfilePicture", "Refused", "Saved", "ScancastError", "Server", "ServerFault", "Station", "TimedOut", "TooLarge", "TooManyRequests",
     "Unauthorized", "Unavailable",
 ]

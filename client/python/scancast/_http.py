@@ -23,6 +23,8 @@ _JSON_LIMIT = 256 << 20
 _PROBLEM_LIMIT = 1 << 20
 _PICTURE_LIMIT = 2 << 30
 _CHUNK = 1 << 20
+_LONGEST_LINE = 1 << 16
+_MOST_TRAILERS = 100
 _ADVICE = "write something like http://127.0.0.1:8080/"
 
 
@@ -97,6 +99,24 @@ class Answer(NamedTuple):
     body: bytes
 
 
+class _Response(http.client.HTTPResponse):
+    """Keeps what the standard library reads and throws away: the lines behind a body in chunks."""
+
+    trailers: Optional[Headers] = None
+
+    def _read_and_discard_trailer(self) -> None:
+        self.trailers = Headers()
+        for _ in range(_MOST_TRAILERS):
+            line = self.fp.readline(_LONGEST_LINE + 1)
+            if len(line) > _LONGEST_LINE:
+                raise http.client.LineTooLong("trailer line")
+            if line in (b"\r\n", b"\n", b""):
+                return
+            name, _colon, value = line.decode("latin-1").partition(":")
+            self.trailers[name.strip().lower()] = value.strip()
+        raise http.client.HTTPException("more lines behind a body than there can be")
+
+
 class Body:
     """An answer's body while it comes: ``read(n)`` gives up to n bytes, b"" at its end, and never waits longer than the timeout."""
 
@@ -104,6 +124,10 @@ class Body:
         self._response = response
         self._where = where
         self.headers = Headers.of(response)
+
+    def trailers(self) -> Headers:
+        """What was said behind the body; nothing before it has been read."""
+        return getattr(self._response, "trailers", None) or Headers()
 
     def read(self, size: int) -> bytes:
         with _told(self._where):
@@ -203,8 +227,11 @@ class Transport:
     def connection(self) -> http.client.HTTPConnection:
         host, port = self.address.host, self.address.port
         if self.tls:
-            return http.client.HTTPSConnection(host, port, timeout=self.timeout, context=self.tls)
-        return http.client.HTTPConnection(host, port, timeout=self.timeout)
+            connection: http.client.HTTPConnection = http.client.HTTPSConnection(host, port, timeout=self.timeout, context=self.tls)
+        else:
+            connection = http.client.HTTPConnection(host, port, timeout=self.timeout)
+        connection.response_class = _Response
+        return connection
 
     @contextlib.contextmanager
     def _response(self, method: str, path: str, body: Any, accept: str, headers: Optional[Mapping[str, str]],

@@ -10,6 +10,7 @@ from urllib.parse import quote
 from . import errors, words
 from ._values import camel, plain
 from ._decode import decode, decode_list
+from ._exports import PointsOfCloud
 from ._http import Answer, Transport
 from .facts import Attribute, Bounds, CloudFacts, NamedView, Photo, PickedPoint, Station
 from .picture import MEDIA_TYPES, DepthPicture, Path, Picture
@@ -59,7 +60,7 @@ class Page:
                 f'allow="fullscreen"></iframe>')
 
 
-class Cloud:
+class Cloud(PointsOfCloud):
     """A cloud. Of its facts, those that are used most stand here; ``facts`` has all, as they were when the cloud was asked for.
 
     Keyword arguments of ``snapshot``, ``depth``, ``pick`` and so on are the words of a view (PROTOCOL.md, "One vocabulary for a view") in

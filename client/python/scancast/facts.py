@@ -87,6 +87,18 @@ class Look:
 
 
 @dataclass(frozen=True)
+class Crs:
+    """What coordinates are in, as far as it is known."""
+
+    name: str = ""
+    epsg: Optional[int] = None
+    unit: str = ""
+    vertical_name: str = ""
+    vertical_epsg: Optional[int] = None
+    vertical_unit: str = ""
+
+
+@dataclass(frozen=True)
 class CloudFacts:
     """A cloud, as the server describes it."""
 
@@ -123,6 +135,7 @@ class CloudFacts:
     recorded: str = ""
     crs_wkt: str = ""
     crs_epsg: Optional[int] = None
+    crs: Optional[Crs] = None
     json: Dict[str, Any] = field(default_factory=dict, repr=False)
 
 
@@ -260,4 +273,8 @@ class PickedPoint:
     classification: Optional[int] = None
     class_name: str = ""
     normal: Optional[Vector3] = None
+    radius: Optional[float] = None
+    exact: Optional[bool] = None
+    crs: Optional[Crs] = None
+    attributes: Dict[str, Any] = field(default_factory=dict)
     json: Dict[str, Any] = field(default_factory=dict, repr=False)

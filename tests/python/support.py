@@ -43,6 +43,11 @@ class Served(unittest.TestCase):
         return []
 
     @classmethod
+    def prepared(cls, scancast, scan):
+        """What is served of the scan."""
+        return scan
+
+    @classmethod
     def setUpClass(cls):
         if not PROGRAMS:
             print("\nSKIPPED: tests of a real server; SCANCAST_PROGRAMS names no folder of the programs", flush=True)
@@ -54,9 +59,10 @@ class Served(unittest.TestCase):
         scan = os.path.join(folder.name, "town.las")
         subprocess.run([scancast, "generate", "town", "--points", str(cls.points), "-o", scan, "--quiet"], check=True, timeout=PATIENCE)
         cls.scan = scan
+        served = cls.prepared(scancast, scan)
         log = open(os.path.join(folder.name, "log"), "w")
         cls.addClassCleanup(log.close)
-        process = subprocess.Popen([scancast, "serve", scan, "--port", "0", *cls.flags()], stdout=subprocess.PIPE, stderr=log, text=True)
+        process = subprocess.Popen([scancast, "serve", served, "--port", "0", *cls.flags()], stdout=subprocess.PIPE, stderr=log, text=True)
         cls.addClassCleanup(end, process)
         cls.process = process
         line = process.stdout.readline()

@@ -206,6 +206,23 @@ class GoingOn(unittest.TestCase):
                          {"resume": "r1", "seq": 1, "frame": 1, "cloud": "town", "width": 64})
         self.assertEqual(heard[0]["view"]["camera"], {"eye": [0, 0, 9], "fov": 33})
 
+    def test_a_server_that_remembers_nothing_begins_again(self):
+        def first(session):
+            session.hear()
+            session.send(text(WELCOME), shows(1, 0))
+            session.until("ack")
+            session.connection.shutdown(socket.SHUT_RDWR)
+
+        def second(session):
+            hello = session.hear()
+            session.send(text({**WELCOME, "session": "s2", "view": hello["view"], "seq": hello["seq"]}), shows(1, hello["seq"]))
+            session.until("never")
+
+        with playing(first, second) as transport, opened(transport) as view:
+            self.assertEqual(view.frame().id, 1)
+            self.assertEqual(view.frame().id, 1, "the first one of another session")
+            self.assertEqual(view.session, "s2")
+
     def test_a_server_that_remembers_less_is_told_again(self):
         heard = []
 

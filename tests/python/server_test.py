@@ -293,7 +293,7 @@ class LyingServers(unittest.TestCase):
 
     @support.needs("numpy")
     def test_a_depth_of_another_size_is_none(self):
-        from scancast import _decode, cloud, facts
+        from scancast import cloud, facts
         with support.lying(lambda c: (support.request_head(c), c.sendall(
                 b"HTTP/1.1 200 OK\r\nScancast-Width: 100000\r\nScancast-Height: 100000\r\nContent-Length: 4\r\n\r\nabcd"))) as url:
             there = object.__new__(facts.CloudFacts)

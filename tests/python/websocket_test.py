@@ -8,8 +8,8 @@ import unittest
 
 import support
 
-from scancast import _http, errors, websocket
-from scancast.websocket import BINARY, CLOSE, CONTINUATION, PING, PONG, TEXT, FrameReader, Message, WebSocketError
+from scancast import _http, _rfc6455, errors, websocket
+from scancast._rfc6455 import BINARY, CLOSE, CONTINUATION, PING, PONG, TEXT, FrameReader, Message, WebSocketError
 
 LIMIT = 1 << 16
 
@@ -118,7 +118,7 @@ class Writing(unittest.TestCase):
     def test_frames_are_masked_and_as_long_as_they_say(self):
         for size in (0, 1, 125, 126, 65535, 65536):
             data = random.Random(size).randbytes(size)
-            made = websocket.frame(BINARY, data, b"\x01\x02\x03\x04")
+            made = _rfc6455.frame(BINARY, data, b"\x01\x02\x03\x04")
             self.assertEqual(made[0], 0x82)
             self.assertTrue(made[1] & 0x80)
             head = {126: 4, 127: 10}.get(made[1] & 0x7F, 2)
@@ -126,14 +126,14 @@ class Writing(unittest.TestCase):
             self.assertEqual(bytes(value ^ (i % 4 + 1) for i, value in enumerate(made[head + 4:])), data)
 
     def test_a_token_as_a_subprotocol_is_what_pages_offer(self):
-        self.assertEqual(websocket.token_subprotocol("a>b?c"), "base64url.bearer.authorization.YT5iP2M")
+        self.assertEqual(_rfc6455.token_subprotocol("a>b?c"), "base64url.bearer.authorization.YT5iP2M")
 
 
 def upgrade(connection, accept=None, protocol="scancast.v1", more=""):
     head = support.request_head(connection).decode()
     key = next(line.split(": ")[1] for line in head.split("\r\n") if line.startswith("Sec-WebSocket-Key"))
     connection.sendall((f"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-                        f"Sec-WebSocket-Accept: {accept or websocket.accept_key(key)}\r\nSec-WebSocket-Protocol: {protocol}\r\n{more}\r\n").encode())
+                        f"Sec-WebSocket-Accept: {accept or _rfc6455.accept_key(key)}\r\nSec-WebSocket-Protocol: {protocol}\r\n{more}\r\n").encode())
     return head
 
 
@@ -269,7 +269,7 @@ def client_frames(data, rest=False):
             break
         assert data[at + 1] & 0x80, "a client's frame without a mask"
         mask = data[at + head:at + head + 4]
-        found.append((data[at] & 15, websocket.masked(data[at + head + 4:at + head + 4 + size], mask)))
+        found.append((data[at] & 15, _rfc6455.masked(data[at + head + 4:at + head + 4 + size], mask)))
         at += head + 4 + size
     return (found, data[at:]) if rest else found
 

@@ -10,7 +10,7 @@ import unittest
 import support
 
 import scancast
-from scancast import _decode, _http, _shapes, _values, _view_words, _wanted, errors, facts, websocket, words
+from scancast import _decode, _exports, _http, _rfc6455, _shapes, _values, _view_words, _wanted, errors, facts, words
 
 sys.path.insert(0, support.PACKAGE)
 import make_view_words  # noqa: E402
@@ -52,7 +52,7 @@ class Tables(unittest.TestCase):
         self.assertIs(type(errors.problem({}, 418)), errors.Refused)
 
     def test_doctests(self):
-        for module in (_values, _shapes, words, _http, websocket):
+        for module in (_values, _shapes, words, _http, _rfc6455, _exports):
             failed, tried = doctest.testmod(module)
             self.assertEqual(failed, 0, module.__name__)
             self.assertGreater(tried, 0, module.__name__)

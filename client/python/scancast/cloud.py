@@ -4,11 +4,12 @@ from __future__ import annotations
 import base64
 import html
 import os
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Protocol, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple
 from urllib.parse import quote
 
 from . import errors, words
 from ._values import camel, plain
+from .words import AnyView, view_json
 from ._decode import decode, decode_list
 from ._exports import PointsOfCloud
 from ._http import Answer, Transport
@@ -22,27 +23,6 @@ if TYPE_CHECKING:
     from ._view_words import ViewWords
     from .live import LiveView
     from .widget import ScancastWidget
-
-
-class HasView(Protocol):
-    """What has a view: a NamedView, a Station, a Photo with a pose."""
-
-    @property
-    def view(self) -> Optional[words.View]: ...
-
-
-AnyView = Union[None, Mapping[str, Any], HasView]
-"""What pictures begin with: nothing - the cloud's default view -, a view as JSON, or what has one."""
-
-
-def view_json(view: AnyView, given: Mapping[str, Any]) -> words.View:
-    """The view as JSON, and what keyword arguments change of it."""
-    base = view if view is None or isinstance(view, Mapping) else view.view
-    if base is None and view is not None:
-        raise ValueError(f"{view} has no view: nobody knows where it was taken")
-    if isinstance(base, Mapping):
-        base = {name: value for name, value in base.items() if name != "cloud"}
-    return words.view_of(given, base)
 
 
 class Page:
@@ -233,10 +213,12 @@ class Cloud(PointsOfCloud):
 
     # ---- live
 
-    def live(self, view: AnyView = None, *, depth: bool = False, fps: Optional[float] = None, **given: "Unpack[ViewWords]") -> "LiveView":
-        """A live view: words go there, pictures come back (live.py)."""
+    def live(self, view: AnyView = None, *, depth: bool = False, fps: Optional[float] = None, reconnect: bool = True, **given: "Unpack[ViewWords]") -> "LiveView":
+        """A live view: words go there, pictures come back. `depth`: each frame brings its depth in cells; `fps`: frames a second that are wanted
+        while it moves; `reconnect`: it comes back when the connection is lost."""
         from .live import LiveView
-        return LiveView(self._transport, self.id, view_json(view, given), depth=depth, fps=fps, judge=self._judged, given=given)
+        return LiveView(self._transport, self.id, view_json(view, given), depth=depth, fps=fps, reconnect=reconnect,
+                        judge=self._judged, given=given)
 
     # ---- for notebooks
 

@@ -39,7 +39,7 @@ class ScancastWidget(Protocol):
     status: str
     """What is wrong, for people; empty where nothing is."""
 
-    def show(self, view: Optional[Mapping[str, Any]] = None, **given: "Unpack[ViewWords]") -> None:
+    def show(self, view: words.AnyView = None, **given: "Unpack[ViewWords]") -> None:
         """Changes these words; what is not given stays."""
 
     def view(self) -> words.View:
@@ -115,8 +115,8 @@ def _widget_class() -> Any:
         def view(self) -> words.View:
             return {**self.style, "camera": self.camera} if self.camera else dict(self.style)
 
-        def show(self, view: Optional[Mapping[str, Any]] = None, **given: Any) -> None:
-            wanted = words.changed(self.view(), words.view_of(given, view) if view is not None else words.view_of(given))
+        def show(self, view: words.AnyView = None, **given: Any) -> None:
+            wanted = words.changed(self.view(), words.view_json(view, given))
             camera = wanted.pop("camera", {})
             self._told = True
             try:

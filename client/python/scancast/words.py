@@ -5,7 +5,7 @@ as they are: the server may be newer, and tells what it does not know either.
 """
 from __future__ import annotations
 
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Protocol, Tuple, Union
 from urllib.parse import quote
 
 from ._shapes import shapes_of, shapes_text
@@ -129,3 +129,24 @@ def query(pairs: List[Tuple[str, str]]) -> str:
     'eye=0,-10,2&color=%23ff0000'
     """
     return "&".join(f"{quote(word, safe='')}={quote(text, safe=',:;*')}" for word, text in pairs)
+
+
+class HasView(Protocol):
+    """What has a view: a NamedView, a Station, a Photo with a pose."""
+
+    @property
+    def view(self) -> Optional[View]: ...
+
+
+AnyView = Union[None, Mapping[str, Any], HasView]
+"""What pictures begin with: nothing - the cloud's default view -, a view as JSON, or what has one."""
+
+
+def view_json(view: AnyView, given: Mapping[str, Any]) -> View:
+    """The view as JSON, and what keyword arguments change of it."""
+    base = view if view is None or isinstance(view, Mapping) else view.view
+    if base is None and view is not None:
+        raise ValueError(f"{view} has no view: nobody knows where it was taken")
+    if isinstance(base, Mapping):
+        base = {name: value for name, value in base.items() if name != "cloud"}
+    return view_of(given, base)

@@ -15,6 +15,7 @@ import urllib.request
 import support
 
 import scancast
+from scancast import cloud, facts
 
 SMALL = {"width": 160, "height": 90}
 
@@ -291,9 +292,16 @@ class LyingServers(unittest.TestCase):
         self.assertEqual(self.answered(busy % 9999, patience=5).retry_after, 9999)
         self.assertIsInstance(self.answered(busy % 1), scancast.Unavailable)
 
+    def test_more_than_a_picture_can_have_is_not_read(self):
+        endless = b"HTTP/1.1 200 OK\r\nContent-Type: image/png\r\n\r\n" + bytes(3 << 20)
+        there = object.__new__(facts.CloudFacts)
+        object.__setattr__(there, "id", "town")
+        for ask in (lambda one: one.snapshot(width=16, height=9), lambda one: one.pick(1, 1)):
+            error = self.answered(endless, lambda server: ask(cloud.Cloud(server._transport, there)))
+            self.assertIn("more than", str(error))
+
     @support.needs("numpy")
     def test_a_depth_of_another_size_is_none(self):
-        from scancast import cloud, facts
         with support.lying(lambda c: (support.request_head(c), c.sendall(
                 b"HTTP/1.1 200 OK\r\nScancast-Width: 100000\r\nScancast-Height: 100000\r\nContent-Length: 4\r\n\r\nabcd"))) as url:
             there = object.__new__(facts.CloudFacts)

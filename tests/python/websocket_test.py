@@ -96,6 +96,15 @@ class Reading(unittest.TestCase):
             reader.feed(b"more")
         self.assertLess(len(reader._buffer), 64)
 
+    def test_text_has_a_bound_of_its_own(self):
+        for data, fits in ((server_frame(TEXT, b"x" * 100), True), (server_frame(TEXT, b"x" * 101), False), (server_frame(BINARY, b"x" * 101), True),
+                           (server_frame(TEXT, b"x" * 60, final=False) + server_frame(CONTINUATION, b"x" * 41), False)):
+            reader = FrameReader(LIMIT, 100)
+            if fits:
+                self.assertEqual(len(reader.feed(data)), 1)
+            else:
+                self.assertRaises(WebSocketError, reader.feed, data)
+
     def test_any_bytes_make_messages_or_an_error_and_the_same_in_pieces(self):
         generator = random.Random(20)
         sound = [data[:3000] for data, _ in self.SOUND] + [data[:3000] for _, data, _ in self.BROKEN]

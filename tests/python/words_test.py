@@ -137,6 +137,12 @@ class Problems(unittest.TestCase):
         self.assertIsInstance(error.nearest["samples"], int)
         self.assertEqual(error.errors, [("camera.view_height", "view_height: no")])
 
+    def test_nothing_of_them_is_a_command_to_a_terminal(self):
+        evil = "no \x1b]0;title\x07\u202e\r\n"
+        error = errors.problem({"detail": evil, "title": evil, "type": evil, "requestId": evil, "errors": [{"parameter": evil, "detail": evil}]}, 400)
+        for text in (str(error), error.detail, error.title, error.type, error.request_id, *error.errors[0]):
+            self.assertTrue(text.isprintable(), repr(text))
+
     def test_anything_makes_one(self):
         for told in ({}, {"status": "x", "errors": 3, "nearest": [], "price": True, "detail": None}, {"detail": 5}):
             self.assertTrue(str(errors.problem(told, 400, "soon")))

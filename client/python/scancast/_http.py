@@ -19,9 +19,9 @@ from . import errors
 
 T = TypeVar("T")
 _TOKEN = re.compile(r"[\x21-\x7e]{1,8192}")
-_JSON_LIMIT = 256 << 20
-_PROBLEM_LIMIT = 1 << 20
-_PICTURE_LIMIT = 2 << 30
+_JSON_LIMIT = 16 << 20
+_PROBLEM_LIMIT = 256 << 10
+_ANSWER_LIMIT = 129 << 20  # a photo may have 128 MiB; who asks for a picture says how large it is
 _CHUNK = 1 << 20
 _LONGEST_LINE = 1 << 16
 _MOST_TRAILERS = 100
@@ -209,7 +209,7 @@ class Transport:
             raise errors.BadAnswer(f"{self.address.authority} answered with what is no JSON: is it a Scancast server?") from None
 
     def ask(self, method: str, path: str, body: Any = None, accept: str = "*/*", headers: Optional[Mapping[str, str]] = None,
-            limit: int = _PICTURE_LIMIT) -> Answer:
+            limit: int = _ANSWER_LIMIT) -> Answer:
         """The answer, 304 included. Refusals are exceptions; those that say when to ask again are waited for, for `patience` seconds in all."""
         return self._patiently(lambda: self._once(method, path, body, accept, headers, limit, self.token()))
 

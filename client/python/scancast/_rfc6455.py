@@ -35,11 +35,12 @@ def close_code_is_sound(code: int) -> bool:
 
 
 class FrameReader:
-    """Bytes of a server → messages, whichever way they are cut. `limit`: bytes of a message that are taken; more is refused (1009) before
+    """Bytes of a server → messages, whichever way they are cut. `limit`: bytes of a message that are taken, `text_limit` of one that is text; more is refused (1009) before
     it is kept. After an error it takes nothing more."""
 
-    def __init__(self, limit: int) -> None:
+    def __init__(self, limit: int, text_limit: Optional[int] = None) -> None:
         self._limit = limit
+        self._text_limit = limit if text_limit is None else min(limit, text_limit)
         self._buffer = bytearray()
         self._kind = 0  # of the message that is under way; 0: none
         self._parts = bytearray()
@@ -104,8 +105,9 @@ class FrameReader:
             length, head = struct.unpack_from(">Q", buffer, at + 2)[0], 10
             if length < 1 << 16 or length >> 63:
                 raise WebSocketError(1002, "a length is written longer than it is, or is none")
-        if opcode < CLOSE and len(self._parts) + length > self._limit:
-            raise WebSocketError(1009, f"a message has more than the {self._limit} bytes that are taken")
+        limit = self._text_limit if (opcode or self._kind) == TEXT else self._limit
+        if opcode < CLOSE and len(self._parts) + length > limit:
+            raise WebSocketError(1009, f"a message has more than the {limit} bytes that are taken")
         if size < head + length:
             return None
         return final, opcode, at + head, at + head + length

@@ -66,6 +66,15 @@ def box(value: Any) -> Any:
     return value
 
 
+def shown(text: str) -> str:
+    """Text of a server's as it may stand on a terminal or in a log: what either would obey is written as an escape.
+
+    >>> shown("Straße \\x1b[31m")
+    'Straße \\\\x1b[31m'
+    """
+    return text if text.isprintable() else "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 def number_text(value: Union[int, float]) -> str:
     """As short as it reads back exactly.
 

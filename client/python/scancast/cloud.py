@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from .widget import ScancastWidget
 
 
+_SMALL_ANSWER = 1 << 20  # bytes of what is no picture
+
+
 class Page:
     """The server's page, in a frame of a notebook's (``cloud.page()``)."""
 
@@ -152,9 +155,9 @@ class Cloud(PointsOfCloud):
             better._spell(camel(word), word)
         return better
 
-    def _asked(self, what: str, body: Any, given: Mapping[str, Any], accept: str, known: str = "") -> Answer:
+    def _asked(self, what: str, body: Any, given: Mapping[str, Any], accept: str, known: str = "", limit: int = _SMALL_ANSWER) -> Answer:
         try:
-            return self._transport.ask("POST", self._path(what), body, accept, {"If-None-Match": known} if known else None)
+            return self._transport.ask("POST", self._path(what), body, accept, {"If-None-Match": known} if known else None, limit)
         except errors.InvalidArgument as refusal:
             better = self._judged(refusal, given)
         raise better
@@ -171,7 +174,7 @@ class Cloud(PointsOfCloud):
         if format not in MEDIA_TYPES:
             raise ValueError(f"format is png or jpg, not {format!r}")
         body = view_json(view, given)
-        answer = self._asked("snapshot", body, given, MEDIA_TYPES[format], known.etag if known else "")
+        answer = self._asked("snapshot", body, given, MEDIA_TYPES[format], known.etag if known else "", _most_bytes(body))
         if answer.status == 304 and known:
             return known
         said = answer.headers
@@ -192,7 +195,8 @@ class Cloud(PointsOfCloud):
 
     def depth_picture(self, view: AnyView = None, **given: "Unpack[ViewWords]") -> DepthPicture:
         """How far what is seen is, pixel by pixel; its bytes need no NumPy."""
-        answer = self._asked("snapshot", view_json(view, given), given, "application/octet-stream")
+        body = view_json(view, given)
+        answer = self._asked("snapshot", body, given, "application/octet-stream", "", _most_bytes(body))
         said = answer.headers
         width, height = _count(said.get("Scancast-Width")), _count(said.get("Scancast-Height"))
         if not width or len(answer.body) != 4 * width * height:
@@ -251,6 +255,13 @@ class Cloud(PointsOfCloud):
         except errors.ScancastError as error:
             shown = f"<p>{html.escape(str(error))}</p>"
         return f"<div><b>{html.escape(facts.title or facts.id)}</b><br>{shown}<table>{table}</table></div>"
+
+
+def _most_bytes(view: words.View) -> int:
+    """Of a picture of that size."""
+    width, height = view.get("width", 1280), view.get("height", 720)
+    sound = all(isinstance(side, (int, float)) and 0 <= side <= 16384 for side in (width, height))
+    return int(8 * width * height) + _SMALL_ANSWER if sound else _SMALL_ANSWER  # what is no size is refused
 
 
 def _count(text: Optional[str]) -> int:

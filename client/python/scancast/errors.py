@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Type
 
-from ._values import snake
+from ._values import shown, snake
 from ._view_words import PLACES
 
 _PREFIX = "urn:scancast:problem:"
@@ -49,6 +49,7 @@ class ScancastError(Exception):
     """By which the server's log knows the request."""
 
     def __init__(self, detail: str) -> None:
+        detail = shown(detail)
         super().__init__(detail)
         self.detail = detail
         self.errors = []
@@ -146,17 +147,17 @@ def problem(told: Mapping[str, Any], status: int = 0, retry_after: Optional[str]
     detail = str(told.get("detail") or told.get("title") or f"the server answered {status}")
     error = _BY_STATUS.get(status, Refused)(_as_python_says(detail))
     error.status = status
-    error.type = str(told.get("type") or "")
+    error.type = shown(str(told.get("type") or ""))
     if error.type.startswith(_PREFIX):
         error.type = error.type[len(_PREFIX):]
-    error.title = str(told.get("title") or "")
-    error.request_id = str(told.get("requestId") or "")
+    error.title = shown(str(told.get("title") or ""))
+    error.request_id = shown(str(told.get("requestId") or ""))
     error.price, error.limit = _number(told.get("price")), _number(told.get("limit"))
     error.retry_after = _seconds(retry_after)
     wrong = told.get("errors")
     for one in wrong if isinstance(wrong, list) else ():
         if isinstance(one, dict):
-            error.errors.append(FieldError(snake(str(one.get("parameter", ""))), _as_python_says(str(one.get("detail", "")))))
+            error.errors.append(FieldError(snake(shown(str(one.get("parameter", "")))), shown(_as_python_says(str(one.get("detail", ""))))))
     nearest = told.get("nearest")
     if isinstance(nearest, dict):
         error.nearest = {snake(str(word)): int(value) if isinstance(value, float) and value.is_integer() else value

@@ -26,12 +26,12 @@ class WebSocket:
 
     The socket never blocks: who waits holds no lock, and a TLS connection is used by one thread at a time."""
 
-    def __init__(self, connected: socket.socket, where: str, timeout: float, limit: int, early: bytes = b"") -> None:
+    def __init__(self, connected: socket.socket, where: str, timeout: float, limit: int, text_limit: int, early: bytes = b"") -> None:
         self._socket = connected
         self._socket.setblocking(False)
         self._where = where
         self._timeout = timeout
-        self._reader = FrameReader(limit)
+        self._reader = FrameReader(limit, text_limit)
         self._use = threading.Lock()  # of the socket, for one call that does not wait
         self._turn = threading.Lock()  # of whose frame is being sent
         self._waiting: List[Message] = []
@@ -42,7 +42,7 @@ class WebSocket:
 
     @classmethod
     def connect(cls, address: Address, path: str, *, subprotocol: str, token: Optional[str], context: Optional[ssl.SSLContext], timeout: float,
-                limit: int, headers: Mapping[str, str] = {}, token_as_subprotocol: bool = False) -> "WebSocket":
+                limit: int, text_limit: int = 1 << 20, headers: Mapping[str, str] = {}, token_as_subprotocol: bool = False) -> "WebSocket":
         """Connects and agrees on the subprotocol. What the server refuses is an exception as of any request."""
         where = address.authority
         key = base64.b64encode(os.urandom(16)).decode()
@@ -78,7 +78,7 @@ class WebSocket:
                 if head.status != 101:
                     raise refusal(address, head.status, Headers(head.headers), _refusal_body(connected, head, rest))
                 check_upgrade(head, key, subprotocol)
-                return cls(connected, where, timeout, limit, rest)
+                return cls(connected, where, timeout, limit, text_limit, rest)
             except BaseException:
                 connected.close()
                 raise

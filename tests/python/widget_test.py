@@ -1,5 +1,6 @@
 """Python's half of the notebook's view, with anywidget's place taken by what it promises; its other half is tests/browser/notebook.test.mjs'."""
 import contextlib
+import json
 import sys
 import types
 import unittest
@@ -54,8 +55,8 @@ class Widget(unittest.TestCase):
             def on_msg(self, callback):
                 self.answers.append(callback)
 
-            def send(self, content):
-                self.sent.append(content)
+            def send(self, content, buffers=None):
+                self.sent.append((content, buffers) if buffers else content)
 
         context = with_modules(anywidget=types.SimpleNamespace(AnyWidget=AnyWidget))
         context.__enter__()
@@ -101,6 +102,24 @@ class Widget(unittest.TestCase):
             made.answers[0](made, content, [])
         self.assertEqual(made.sent, [{"type": "token", "token": "secret-secret-secret"}])
         self.assertNotIn("secret", repr({name: getattr(made, name) for name in made.traits()}))
+
+    def test_a_browser_that_cannot_reach_the_server_gets_stills(self):
+        def answer(connection):
+            data = support.request_head(connection)
+            while not data.endswith(b"}"):
+                data += connection.recv(65536)
+            asked.append(json.loads(data.partition(b"\r\n\r\n")[2]))
+            connection.sendall(answers.pop(0))
+
+        asked = []
+        answers = [b"HTTP/1.1 200 OK\r\nContent-Type: image/jpeg\r\nContent-Length: 4\r\n\r\nJPEG", b"HTTP/1.1 404 x\r\nContent-Length: 0\r\n\r\n"]
+        with support.lying(answer) as url:
+            made = widget.make_widget(Transport(url, None, 5.0, None, 0.0), "town", {"camera": {"fov": 50}, "color": "rgb"}, 300)
+            for _ in range(2):
+                made.answers[0](made, {"type": "still", "width": 640, "height": 300}, [])
+        self.assertEqual(made.sent, [({"type": "still"}, [b"JPEG"])])
+        self.assertEqual(asked[0], {"camera": {"fov": 50}, "color": "rgb", "width": 640, "height": 300})
+        self.assertIn("404", made.status)
 
     def test_views_by_name(self):
         made = self.made()

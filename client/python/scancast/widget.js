@@ -31,6 +31,34 @@ export function unhurried(act, ms) {
   return call;
 }
 
+/** In the view's place, where this page cannot reach the server and Python can: still pictures that Python draws, and why. */
+function stills(model, box, say, why) {
+  box.style.height = 'auto';
+  const note = document.createElement('p');
+  note.textContent = `${why}. Until then, Python draws: the picture follows show(), not the hand.`;
+  const image = document.createElement('img');
+  image.style.maxWidth = '100%';
+  image.alt = '';
+  box.append(note, image);
+  say(why);
+  let shown;
+  const ask = () => model.send({ type: 'still', width: Math.round(Math.min(1920, Math.max(320, box.clientWidth || 640))), height: model.get('height') });
+  const take = (message, buffers) => {
+    if (message?.type !== 'still' || !buffers?.[0]) return;
+    URL.revokeObjectURL(shown);
+    shown = URL.createObjectURL(new Blob([buffers[0]], { type: 'image/jpeg' }));
+    image.src = shown;
+  };
+  const changes = { 'change:_asked': ask, 'change:cloud': ask, 'change:height': ask, 'msg:custom': take };
+  for (const [event, act] of Object.entries(changes)) model.on(event, act);
+  ask();
+  return () => {
+    for (const [event, act] of Object.entries(changes)) model.off(event, act);
+    URL.revokeObjectURL(shown);
+    box.remove();
+  };
+}
+
 async function render({ model, el }) {
   const server = model.get('_server');
   const box = document.createElement('div');
@@ -46,10 +74,7 @@ async function render({ model, el }) {
   try {
     await import(/* webpackIgnore: true */ new URL('scancast-view.js', server).href);
   } catch {
-    box.textContent = unreachable(server, location.origin);
-    box.style.height = 'auto';
-    say(box.textContent);
-    return () => box.remove();
+    return stills(model, box, say, unreachable(server, location.origin));
   }
 
   const view = document.createElement('scancast-view');

@@ -1,7 +1,7 @@
 """A live view that a notebook moves by hand: the server's own ``<scancast-view>``, kept the same as a Python object, by anywidget.
 
 The picture goes from the server to the browser, not through Python: the server has to know the notebook's address (``scancast serve
---allowed-origin http://localhost:8888``).
+--allowed-origin http://localhost:8888``). Where a browser cannot reach it, Python draws still pictures, which follow what Python sets.
 """
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import functools
 import os
 import pathlib
 from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Protocol
+from urllib.parse import quote
 
 from . import errors, words
 from ._http import Transport
@@ -107,10 +108,23 @@ def _widget_class() -> Any:
                 self._asked = [self._asked[0] + 1, _spoken(self.camera, self.style)]
 
         def _answer(self, _: Any, content: Any, buffers: Any) -> None:
-            if isinstance(content, dict) and content.get("type") == "token":
+            kind = content.get("type") if isinstance(content, dict) else None
+            if kind == "token":
                 token = self._transport.token()
                 if token is not None:
                     self.send({"type": "token", "token": token})
+            elif kind == "still":
+                self._draw(content.get("width"), content.get("height"))
+
+        def _draw(self, width: Any, height: Any) -> None:
+            """A picture for a browser that cannot reach the server."""
+            view = {**self.view(), "width": width, "height": height}
+            try:
+                answer = self._transport.ask("POST", f"/api/v1/clouds/{quote(self.cloud, safe='')}/snapshot", view, "image/jpeg")
+            except errors.ScancastError as error:
+                self.status = str(error)
+            else:
+                self.send({"type": "still"}, buffers=[answer.body])
 
         def view(self) -> words.View:
             return {**self.style, "camera": self.camera} if self.camera else dict(self.style)

@@ -13,6 +13,7 @@ import { PageProxy } from '../tests/browser/support/page_proxy.mjs';
 import { RealServer } from '../tests/browser/support/real_server.mjs';
 
 const [, , program, ...clouds] = process.argv;
+const only = process.env.ONLY; // one picture's name, to make that one alone
 if (!program || clouds.length === 0) {
   console.error('Usage: node docs/page_pictures.mjs SCANCAST CLOUD…   (an example is at the top of this file)');
   process.exit(2);
@@ -32,7 +33,8 @@ const tablet = { viewport: { width: 1024, height: 768 }, hasTouch: true };
 const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
 
 /** One picture: `use(page)` brings the page to what is to be seen. */
-async function take(name, options, hash, use = async () => {}) {
+async function take(name, options, hash, use = async () => {}, quality = 82) {
+  if (only && only !== name) return;
   const context = await browser.newContext({ colorScheme: 'dark', ...options });
   const page = await context.newPage();
   await page.goto(`${url}#${hash}`);
@@ -40,7 +42,7 @@ async function take(name, options, hash, use = async () => {}) {
   await use(page);
   await waitUntilSharp(page, 60_000);
   await page.waitForTimeout(600); // messages and flights
-  await page.screenshot({ path: `${folder}${name}.jpg`, type: 'jpeg', quality: 82 });
+  await page.screenshot({ path: `${folder}${name}.jpg`, type: 'jpeg', quality });
   console.log(`docs/images/page/${name}.jpg`);
   await context.close();
 }
@@ -60,6 +62,23 @@ await take('presentation', wide, `cloud=${first}`, async (page) => {
 });
 await take('tablet', { ...tablet, colorScheme: 'light' }, `cloud=${last}`);
 await take('phone', phone, `cloud=${last}`);
+
+// Somebody who measures; the card covers the left of the picture.
+const near = 'eye=389500,5819655,100&target=389500,5819765,36&up=0,0,1&projection=perspective&fov=45'; // of the generated town
+await take('measure', { viewport: { width: 1000, height: 580 } }, `cloud=${first}&${near}`, async (page) => {
+  await page.keyboard.press('p');
+  await page.waitForTimeout(500);
+  await page.keyboard.press('m');
+  for (const [kind, places] of [['height', [[499, 170], [500, 66]]], ['area', [[470, 462], [570, 458], [575, 506], [458, 510]]], ['distance', [[702, 430], [664, 312], [628, 242]]]]) {
+    await page.check(`#measure-kinds input[value=${kind}]`);
+    for (const [x, y] of places) {
+      await page.mouse.click(x, y);
+      await page.waitForTimeout(900);
+    }
+    await page.keyboard.press('Enter');
+    await page.waitForTimeout(300);
+  }
+}, 46);
 
 await browser.close();
 await proxy.stop();

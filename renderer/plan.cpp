@@ -288,6 +288,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->curvatures = hasCurvature(cloud) && looksAtCurvatures(planned->passes, planned->color);
     planned->beside = planned->curvatures || planned->color.source == ColorSource::Infrared;
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
+    planned->selection.clip = planned->filter.clip;
+    planned->selection.shapes = planned->filter.shapes;
     planShadows(cloud, *planned);
     planned->margin = screenMargin(planned->passes);
     planned->tilesAreExact = looksNoFartherThanTheMargin(planned->passes);

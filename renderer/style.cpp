@@ -212,6 +212,7 @@ SampleFilter sampleFilter(const Cloud& cloud, const Style& style) {
         for (const auto wanted : *style.classes) (*filter.classes)[wanted] = true;
     }
     if (style.clip) filter.clip = ClipBox{style.clip->min - cloud.origin, style.clip->max - cloud.origin};
+    filter.shapes = clipRegions(style.clips, cloud.origin);
     if (!style.behindMirrors) filter.dropped = behindMirrors(cloud);
     filter.outliers = style.outliers == Outliers::Show;
     return filter;

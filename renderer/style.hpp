@@ -19,8 +19,8 @@ Style decidedStyle(const Cloud& cloud, Style style);
 /// colour map or range that does not exist.
 Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint);
 
-/// What the style leaves of the cloud: its classes, its clip box, and nothing behind mirrors unless it says
-/// so.
+/// What the style leaves of the cloud: its classes, what lies in its clip box and in its shapes, and nothing behind
+/// mirrors unless it says so.
 SampleFilter sampleFilter(const Cloud& cloud, const Style& style);
 
 }  // namespace scancast

@@ -43,6 +43,19 @@ Expected<nlohmann::json> getJson(const Server& server, const std::string& target
     return value;
 }
 
+Expected<nlohmann::json> postJson(const Server& server, const std::string& target,
+                                  const nlohmann::json& body) {
+    const auto answer = httpPostJson(server.url(), target, longestJson, printJson(body), server.credentials(),
+                                     server.timeouts());
+    if (!answer) return passOn(answer);
+    auto value = parseJson({reinterpret_cast<const char*>(answer->body.data()), answer->body.size()});
+    if (!value || !(value->is_object() || value->is_null()))
+        return fail(ErrorCode::Malformed, server.url().authority() + target + ": " +
+                                              (value ? "the answer is no object" : value.error().message) +
+                                              "; is it a Scancast server?");
+    return value;
+}
+
 /// GETs JSON and takes it apart; what is not of the shape that it should have is told with its address.
 template <class Parse>
 auto getParsed(const Server& server, const std::string& target, Parse parse)
@@ -99,6 +112,15 @@ Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& 
                     url_.authority() + " answered with a Scancast-Damaged that is no number");
     return Snapshot{std::move(answer->body), answer->etag,        answer->serverTiming, false, damaged,
                     answer->method,          answer->methodReason};
+}
+
+Expected<nlohmann::json> Server::pick(const std::string& cloud, const nlohmann::json& view, double x,
+                                      double y) const {
+    return postJson(*this, cloudPath(cloud) + "/pick", {{"view", view}, {"x", x}, {"y", y}});
+}
+
+Expected<nlohmann::json> Server::measure(const std::string& cloud, const MeasureRequest& request) const {
+    return postJson(*this, cloudPath(cloud) + "/measure", toJson(request));
 }
 
 }  // namespace scancast::client

@@ -12,6 +12,7 @@
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/timeouts.hpp"
 #include "protocol/catalog.hpp"
+#include "protocol/measure/measure_request.hpp"
 #include "protocol/view/query.hpp"
 
 namespace scancast::client {
@@ -47,6 +48,12 @@ class Server {
     Expected<Snapshot> snapshot(const std::string& cloud, const WordValues& words,
                                 PictureFormat format = PictureFormat::Jpeg,
                                 const std::string& etag = {}) const;
+    /// The scan's point that a pixel of a view's picture shows, as PROTOCOL.md, "A picked point", has it: position, attributes and
+    /// all; null where nothing is. `view`: any subset of a view as JSON; x, y: px from the top left corner.
+    Expected<nlohmann::json> pick(const std::string& cloud, const nlohmann::json& view, double x,
+                                  double y) const;
+    /// Lengths, areas, volumes, fitted shapes, as PROTOCOL.md, "A measurement", has them.
+    Expected<nlohmann::json> measure(const std::string& cloud, const MeasureRequest& request) const;
 
   private:
     ServerUrl url_;

@@ -4,12 +4,32 @@ set(SCANCAST_WEB_FILES
     favicon.svg
     main.js
     scancast-view.js
+    clip/box.js
+    clip/clip_marks.js
+    clip/clipping.js
     connection/access.js
     connection/connection.js
     connection/guest.js
     connection/server.js
     connection/session.js
     connection/stores.js
+    measure/answers.js
+    measure/coordinates.js
+    measure/draft.js
+    measure/export.js
+    measure/files.js
+    measure/hand.js
+    measure/keeping.js
+    measure/link.js
+    measure/marks.js
+    measure/measures.js
+    measure/measuring.js
+    measure/panel.js
+    measure/places.js
+    measure/project.js
+    measure/shelf.js
+    measure/units.js
+    measure/values.js
     page/choices.js
     page/chosen_method.js
     page/colour_choice.js
@@ -32,13 +52,18 @@ set(SCANCAST_WEB_FILES
     page/share.js
     page/stations.js
     page/strings.js
+    page/strings/clip.js
+    page/strings/measure.js
     page/themes.js
     page/thumbnails.js
     page/tools.js
     protocol/frame_depth.js
     protocol/frame_header.js
     protocol/view_words.js
+    styles/card.css
+    styles/clip.css
     styles/fields.css
+    styles/measure.css
     styles/panel.css
     styles/photos.css
     styles/rail.css

@@ -1,6 +1,8 @@
 // Puts the page together: the viewer, and around it panel, title, buttons and keys.
 
 import { takeGuestToken } from './connection/guest.js';
+import { Clipping, knowsClips } from './clip/clipping.js';
+import { Measuring } from './measure/measuring.js';
 import { Choices } from './page/choices.js';
 import { ChosenMethod } from './page/chosen_method.js';
 import { Controls } from './page/controls.js';
@@ -40,7 +42,11 @@ function freeSize({ width, height }) {
   return { width: Math.max(width - sides, 0.8 * width), height: Math.max(height - (offsetWidth > 0 ? 170 : 80), 0.7 * height) };
 }
 
-const presentation = new Presentation(() => address.changed());
+const presentation = new Presentation((on) => {
+  if (on) clipping.activate(false);
+  if (on) measuring.activate(false); // what has been measured stays in the picture
+  address.changed();
+});
 const layout = new Layout();
 const rail = new ToolRail(find('rail'));
 viewer.freeSize = freeSize;
@@ -60,6 +66,17 @@ const controls = new Controls({
   upAxis: (axis) => viewer.turnUp(axis),
   reset: () => viewer.resetStyle(),
   gallery: (open) => galleries.show('methods', open),
+});
+const measuring = new Measuring(viewer, {
+  overlays, hash: () => viewHash() ?? '', changed: () => address.changed(),
+  active: (isActive) => {
+    find('tool-measure').setAttribute('aria-pressed', String(isActive));
+    if (isActive) clipping.activate(false); // there is room for one card
+  },
+});
+const clipping = new Clipping(viewer, (isActive) => {
+  find('tool-clip')?.setAttribute('aria-pressed', String(isActive));
+  if (isActive) measuring.activate(false);
 });
 const galleries = new Galleries(viewer, () => controls);
 const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
@@ -99,6 +116,7 @@ on('sought', ({ cloud }) => {
 on('cloud', (cloud) => {
   sought = undefined;
   showScan(cloud);
+  offerClipping(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
   showLoading();
@@ -150,7 +168,9 @@ let known = location.hash; // what the address is known to say
 /** The view that is wanted, as the address says it; `present` is the page's own word. */
 function hashNow() {
   const hash = viewHash();
-  return hash && presentation.isOn ? `${hash}&present` : hash;
+  if (!hash) return hash;
+  const whole = sought ? hash : `${hash}${measuring.hashPart(hash.length)}`;
+  return presentation.isOn ? `${whole}&present` : whole;
 }
 
 function viewHash() {
@@ -188,6 +208,7 @@ function addressChanged() {
   known = location.hash;
   address.arrived();
   const link = parseHash(known);
+  if (!history.state) measuring.arrived(known); // an address from elsewhere, not one that was left here
   if (link) viewer.restore(link);
 }
 
@@ -243,10 +264,20 @@ rail.register({
   id: 'look', mode: 'navigate', label: tools.look, tip: tools.lookTip, icon: 'look', elementId: 'look-around', activate: () => setLooking(true),
 });
 rail.register({
+  id: 'measure', label: strings.measure.tool, tip: strings.measure.toolTip, icon: 'measure', key: 'm', activate: () => measuring.activate(),
+}).setAttribute('aria-pressed', 'false');
+rail.register({
   id: 'views', label: tools.views, tip: tools.viewsTip, icon: 'views', key: 'v', activate: () => find('views-gallery').togglePopover(),
 });
 rail.register({ id: 'picture', label: tools.picture, tip: tools.pictureTip, icon: 'picture', elementId: 'save-picture', activate: saveThisPicture });
 rail.register({ id: 'present', label: tools.present, tip: tools.presentTip, icon: 'present', key: 'h', activate: () => presentation.toggle() });
+
+/** Only where the server has the word. */
+function offerClipping(cloud) {
+  if (!knowsClips(cloud) || find('tool-clip')) return;
+  rail.register({ id: 'clip', label: strings.clip.tool, tip: strings.clip.toolTip, icon: 'clip', key: 'x', activate: () => clipping.activate() })
+    .setAttribute('aria-pressed', 'false');
+}
 setLooking(false);
 
 const theme = new Choices(find('theme'), chooseTheme);
@@ -280,7 +311,7 @@ addEventListener('keydown', (event) => {
   const tool = rail.withKey(key);
   if ((!Object.hasOwn(shortcuts, key) && !tool) || !(isForView(event) || closesHelp)) return;
   event.preventDefault(); // a menu that has the focus would go to its next entry of that letter
-  if (presentation.isOn && ['p', 'v'].includes(key)) return; // what they open is not there
+  if (presentation.isOn && ['p', 'v', 'm', 'x'].includes(key)) return; // what they open is not there
   if (tool) rail.activate(tool);
   else shortcuts[key](event);
 });
@@ -296,6 +327,7 @@ find('copy-link').addEventListener('click', () => {
   copyLink(overlays);
 });
 const link = parseHash(location.hash);
+measuring.arrived(location.hash);
 if (asksToPresent(location.hash)) presentation.enter({ fullScreen: false });
 // Who has touched nothing before he reloads sees the cloud as the server would show it now, in a window of another size, too.
 viewer.start(history.state?.untouched ? { cloud: link?.cloud } : link);

@@ -202,16 +202,8 @@ export class ScancastView extends HTMLElement {
    * @param {number} y and from its upper one
    * @returns {Promise<{ position: [number, number, number], depth: number, distance: number, [more: string]: any } | null>}
    */
-  async pick(x, y) {
-    const { view, pictureSize, server } = this.viewer;
-    const scale = pictureSize.width / Math.max(1, this.clientWidth);
-    const { cloud, ...rest } = view;
-    const response = await server.ask(`/api/v1/clouds/${encodeURIComponent(cloud)}/pick`, {
-      method: 'POST',
-      headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify({ view: { ...rest, ...pictureSize, ratio: undefined }, x: x * scale, y: y * scale }),
-    });
-    return response.json();
+  pick(x, y) {
+    return this.viewer.pickAt({ x, y });
   }
 }
 

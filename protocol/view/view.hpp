@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "protocol/error.hpp"
+#include "protocol/view/clip_shapes.hpp"
 
 namespace scancast {
 
@@ -116,6 +117,7 @@ struct Style {
     std::optional<std::array<double, 2>> range;  ///< values at the colour map's ends; nullopt = the cloud's
     std::optional<std::vector<std::uint8_t>> classes;  ///< draw these classifications only
     std::optional<ClipBox> clip;                       ///< draw inside this box only
+    ClipShapes clips;                                  ///< and what these leave; none: everything
     std::optional<Shading> shading;                    ///< nullopt = the method's default
     LightRig light;                                    ///< how its light falls
     bool mirrors = true;                               ///< the cloud's mirrors show what stands before them

@@ -52,6 +52,31 @@ Expected<void> lookAt(const Camera& camera) {
     return {};
 }
 
+/// Of the n-th shape, counted from 1.
+Expected<void> clipShape(std::string_view word, std::size_t n, const ClipShape& shape) {
+    const auto what = [&](const char* kind) {
+        return std::string(word) + ": shape " + std::to_string(n) + ", a " + kind + ", ";
+    };
+    if (const auto* const half = std::get_if<HalfSpace>(&shape)) {
+        for (const auto& v : {half->point, half->normal})
+            if (auto ok = coordinates(word, v); !ok) return ok;
+        if (half->normal == glm::dvec3(0))
+            return invalid(word,
+                           what("plane") + "has the normal 0,0,0; it must point to the side that is kept");
+        return {};
+    }
+    const auto& box = std::get<TurnedBox>(shape);
+    for (const auto& v : {box.center, box.size, box.turn})
+        if (auto ok = coordinates(word, v); !ok) return ok;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(box.size[axis] > 0))
+            return invalid(word, what("box") + "has a size that is not above 0; write its full lengths");
+        if (!(std::abs(box.turn[axis]) <= 360))
+            return invalid(word, what("box") + "is turned by more than 360 degrees");
+    }
+    return {};
+}
+
 bool isParameterName(std::string_view text) {
     return !text.empty() && text.size() <= longestName && std::all_of(text.begin(), text.end(), [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
@@ -89,6 +114,15 @@ Expected<void> clipBox(std::string_view word, const ClipBox& box) {
         if (box.min[axis] > box.max[axis])
             return invalid(
                 word, "the clip box's minimum lies above its maximum; write xmin,ymin,zmin,xmax,ymax,zmax");
+    return {};
+}
+
+Expected<void> clipShapes(std::string_view word, const ClipShapes& shapes) {
+    if (shapes.size() > mostClipShapes)
+        return invalid(
+            word, std::string(word) + ": there are more than " + std::to_string(mostClipShapes) + " shapes");
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+        if (auto ok = clipShape(word, i + 1, shapes[i]); !ok) return ok;
     return {};
 }
 

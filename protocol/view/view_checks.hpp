@@ -15,6 +15,8 @@ Expected<void> coordinates(std::string_view word, const glm::dvec3& value);
 /// A rotation and a move, column by column.
 Expected<void> matrix(std::string_view word, const std::array<double, 16>& value);
 Expected<void> clipBox(std::string_view word, const ClipBox& box);
+/// Boxes with an inside, planes with a normal; no more than there may be.
+Expected<void> clipShapes(std::string_view word, const ClipShapes& shapes);
 Expected<void> ends(std::string_view word, const std::array<double, 2>& range);
 /// Azimuth and elevation.
 Expected<void> sun(std::string_view word, const std::array<double, 2>& direction);

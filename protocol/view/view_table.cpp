@@ -267,6 +267,13 @@ const std::vector<ViewWord>& table() {
          "Draw what lies inside this box only; auto draws everything.", "0,0,0,10,10,5",
          value(
              [](auto& v) -> auto& { return v.style.clip; }, checks::clipBox)},
+        {"clips", "clips", "SHAPE;SHAPE;...|auto",
+         "Cut by up to eight shapes: box:CX,CY,CZ,SX,SY,SZ[,YAW[,PITCH,ROLL]] keeps what is in a turned box "
+         "(in one of them at least), -box: what is outside, plane:PX,PY,PZ,NX,NY,NZ the side that its normal "
+         "points to; auto cuts nothing.",
+         "box:5,5,2,10,4,4,30;plane:0,0,3,0,0,-1",
+         value(
+             [](auto& v) -> auto& { return v.style.clips; }, checks::clipShapes)},
         {"shading", "shading", "unlit|phong|eyedome|auto",
          "How light falls on points; auto leaves it to the method.", "eyedome",
          value([](auto& v) -> auto& { return v.style.shading; })},

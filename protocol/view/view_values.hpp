@@ -32,6 +32,7 @@ Parsed<bool> parse(As<bool>, std::string_view text);
 Parsed<double> parse(As<double>, std::string_view text);
 Parsed<glm::dvec3> parse(As<glm::dvec3>, std::string_view text);
 Parsed<ClipBox> parse(As<ClipBox>, std::string_view text);
+Parsed<ClipShapes> parse(As<ClipShapes>, std::string_view text);  ///< with ; between them, or "auto"
 Parsed<Projection> parse(As<Projection>, std::string_view text);
 Parsed<Shading> parse(As<Shading>, std::string_view text);
 Parsed<Outliers> parse(As<Outliers>, std::string_view text);
@@ -61,6 +62,7 @@ Parsed<std::string> parseColormap(std::string_view text);
 /// What FieldReader does not read itself. Each leaves `out` alone when the field is missing or wrong, and
 /// returns whether it was set.
 bool read(FieldReader& fields, std::string_view key, ClipBox& out);
+bool read(FieldReader& fields, std::string_view key, ClipShapes& out);  ///< null is none
 bool read(FieldReader& fields, std::string_view key, Background& out);  ///< null is the default
 bool read(FieldReader& fields, std::string_view key, std::vector<std::uint8_t>& out);
 bool read(FieldReader& fields, std::string_view key, ParameterValues& out);  ///< null removes a parameter
@@ -106,6 +108,7 @@ std::string print(Rgb8 color);
 std::string print(const Color& color);
 nlohmann::json print(const Background& background);
 nlohmann::json print(const ClipBox& box);
+nlohmann::json print(const ClipShapes& shapes);
 nlohmann::json print(const ParameterValues& parameters);
 inline nlohmann::json print(const glm::dvec3& vector) {
     return jsonArray(vector);

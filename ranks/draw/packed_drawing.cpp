@@ -27,6 +27,8 @@ void pack(const CutView& view, Packer& out) {
     out.put(view.filter.classes);
     out.put(view.filter.clip);
     out.putFlag(view.filter.outliers);
+    out.putAll(std::span<const Region>(view.filter.shapes.kept));
+    out.putAll(std::span<const Region>(view.filter.shapes.dropped));
     out.putAll(std::span<const Region>(view.filter.dropped));
     out.put(view.glass);
     out.put(view.cut.samples);
@@ -42,7 +44,12 @@ void unpack(Unpacker& in, CutView& view) {
     in.get(view.filter.classes);
     in.get(view.filter.clip);
     in.getFlag(view.filter.outliers);
-    in.getAll(view.filter.dropped);
+    for (auto* const regions :
+         {&view.filter.shapes.kept, &view.filter.shapes.dropped, &view.filter.dropped}) {
+        in.getAll(*regions);
+        for (const Region& region : *regions)
+            if (region.count < 0 || region.count > Region::mostPlanes) in.fail();
+    }
     in.get(view.glass);
     in.get(view.cut.samples);
     in.getFlag(view.cut.beside);

@@ -42,6 +42,7 @@ class FrontStore final : public SampleStore {
     /// All ranks', once it is known, whether they are there or not: a picture's samples do not depend on that.
     std::uint64_t capacity() const override;
     std::uint64_t bytesResident() const override { return whole_->bytesResident(); }
+    std::shared_ptr<const CloudFile> cloudFile() const override { return cloud_; }
 
   private:
     bool byRanks() const { return file_->by == DrawnBy::Ranks; }

@@ -17,6 +17,8 @@
 
 namespace scancast {
 
+class CloudFile;
+
 /// The samples of one node, in memory as long as this lives.
 struct SampleRun {
     std::span<const Sample> samples;
@@ -59,6 +61,8 @@ class SampleStore {
     /// Most samples that one picture may hold on to at once.
     virtual std::uint64_t capacity() const = 0;
     virtual std::uint64_t bytesResident() const = 0;
+    /// The cloud file whose samples these are, with everything that it has beside them; empty where there is none.
+    virtual std::shared_ptr<const CloudFile> cloudFile() const { return nullptr; }
 };
 
 /// Everything in memory: run i is samples[first[i]] … samples[first[i + 1] - 1].

@@ -49,17 +49,14 @@ struct ColorRule {
     std::optional<IntensityFactors> byIntensity{};
 };
 
-/// A convex piece of space, cloud-relative: inside all planes, dot(xyz, p) + w ≥ 0, unit normals.
-struct Region {
-    static constexpr int mostPlanes = 5;
-    std::array<glm::dvec4, mostPlanes> planes{};
-    int count = 0;
-};
+/// A convex piece of space, cloud-relative.
+using Region = ConvexRegion;
 
 /// Which samples may be drawn at all, beyond selection.
 struct SampleFilter {
     std::optional<std::array<bool, 256>> classes;
     std::optional<ClipBox> clip;  ///< cloud-relative
+    ClipRegions shapes;           ///< likewise; no sample outside of what they leave is drawn
     std::vector<Region> dropped;  ///< no sample inside any of these is drawn
     bool outliers = false;        ///< outliers (surfel_bytes.hpp) are drawn
 };

@@ -23,6 +23,7 @@ struct FrameStats {
     std::uint64_t samplesDrawn = 0;  ///< in the cut (of one anti-aliasing frame)
     std::uint64_t pointsShown = 0;   ///< scan points that they stand for
     std::uint32_t nodesVisited = 0, nodesCulled = 0;
+    std::uint32_t nodesClipped = 0;    ///< of those culled: cut away by clip box or shapes
     double spacingReached = 0;         ///< px
     std::uint32_t nodesMissing = 0;    ///< drawn by ancestors, because their blocks were not in memory
     std::uint64_t samplesMissing = 0;  ///< in those

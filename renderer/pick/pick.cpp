@@ -9,17 +9,13 @@
 #include <limits>
 #include <queue>
 
+#include "renderer/cloud/file/cloud_file.hpp"
+#include "renderer/cloud/file/exact_places.hpp"
+#include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/select/viewpoint.hpp"
 #include "renderer/style.hpp"
 
 namespace scancast {
-namespace {
-
-bool inside(const Region& region, const glm::dvec3& p) {
-    return std::all_of(
-        region.planes.begin(), region.planes.begin() + region.count,
-        [&](const glm::dvec4& plane) { return glm::dot(glm::dvec3(plane), p) + plane.w >= 0; });
-}
 
 bool isDrawn(const SampleFilter& filter, const glm::dvec3& p, const Sample& sample) {
     if (filter.classes && !(*filter.classes)[sample.classification]) return false;
@@ -27,9 +23,11 @@ bool isDrawn(const SampleFilter& filter, const glm::dvec3& p, const Sample& samp
         for (int axis = 0; axis < 3; ++axis)
             if (p[axis] < filter.clip->min[axis] || p[axis] > filter.clip->max[axis]) return false;
     }
-    return std::none_of(filter.dropped.begin(), filter.dropped.end(),
-                        [&](const Region& region) { return inside(region, p); });
+    return filter.shapes.contains(p) &&
+           std::ranges::none_of(filter.dropped, [&](const Region& region) { return region.contains(p); });
 }
+
+namespace {
 
 // A picture's depth is a float, hence the tolerance.
 bool isGlass(const Cloud& cloud, const glm::dvec3& place, double depth) {
@@ -49,6 +47,11 @@ double distanceToBox(const Node& node, const glm::dvec3& p) {
     return glm::length(low + high);
 }
 
+/// Whether shapes leave nothing of a node: then its samples need not be had.
+bool isCutAway(const SampleFilter& filter, const Node& node) {
+    return filter.shapes.overlap(node.boxMin - node.step, node.boxMax + node.step) == Overlap::None;
+}
+
 // Three digits finer than the grid: enough for every step of it, and too few for the noise of adding doubles.
 double withoutNoise(double value, double step) {
     const double digits = std::clamp(3 - std::floor(std::log10(step)), 0.0, 15.0);
@@ -60,16 +63,20 @@ double withoutNoise(double value, double step) {
 struct Nearest {
     double distance = std::numeric_limits<double>::infinity();
     std::uint32_t node = noNode;
-    Sample sample{};
+    std::size_t index = 0;  ///< in the run
+    SampleRun run{};        ///< the node's samples
+
+    const Sample& sample() const { return run.samples[index]; }
 };
 
-void compare(const Node& node, std::uint32_t index, std::span<const Sample> samples, const glm::dvec3& place,
+void compare(const Node& node, std::uint32_t index, const SampleRun& run, const glm::dvec3& place,
              const SampleFilter& filter, Nearest& best) {
-    for (const Sample& sample : samples) {
+    for (std::size_t i = 0; i < run.samples.size(); ++i) {
+        const Sample& sample = run.samples[i];
         const glm::dvec3 p = position(node, sample);
         const double distance = glm::distance(p, place);
         const bool nearer = distance < best.distance || (distance == best.distance && index < best.node);
-        if (nearer && isDrawn(filter, p, sample)) best = {distance, index, sample};
+        if (nearer && isDrawn(filter, p, sample)) best = {distance, index, i, run};
     }
 }
 
@@ -84,6 +91,7 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
         const std::uint32_t index = queue.top().second;
         queue.pop();
         const Node& node = octree.node(index);
+        if (isCutAway(filter, node)) continue;
         if (!node.isLeaf()) {
             for (std::uint32_t child = node.firstChild; child < node.firstChild + node.childCount; ++child)
                 queue.emplace(distanceToBox(octree.node(child), place), child);
@@ -91,9 +99,37 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
         }
         const auto run = octree.store().load(index, stop);
         if (!run) return passOn(run);
-        compare(node, index, run->samples, place, filter, best);
+        compare(node, index, *run, place, filter, best);
     }
     return best;
+}
+
+/// All that is known of it: from its file, or, in memory, what its sample says.
+Expected<KeptPoint> keptPoint(const Cloud& cloud, const Nearest& found) {
+    const Node& node = cloud.octree.node(found.node);
+    KeptPoint point;
+    if (const auto file = cloud.octree.store().cloudFile()) {
+        auto kept = file->point(found.node, found.run.samples, found.index);
+        if (!kept) return kept;
+        point = std::move(*kept);
+    } else {
+        const ExactPlaces places(cloud, nullptr);
+        if (auto ok =
+                places.of(found.node, node, std::span(&found.sample(), 1), std::span(&point.position, 1));
+            !ok)
+            return passOn(ok);
+        point.exact = places.isExact(node);
+        point.precision = places.precision(node, point.position);
+    }
+    if (!point.exact)
+        for (int axis = 0; axis < 3; ++axis)
+            point.position[axis] = withoutNoise(point.position[axis], point.precision[axis]);
+    return point;
+}
+
+double radiusOf(const Cloud& cloud, const Node& node, const Sample& sample) {
+    if (!cloud.surfels || sample.logRadius == 0 || sample.logRadius == outlierRadius) return 0;
+    return double(surfelRadii()[sample.logRadius]) * double(node.radiusUnit);
 }
 
 }  // namespace
@@ -116,12 +152,12 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     const auto nearest = nearestLeafSample(cloud.octree, *place, sampleFilter(cloud, view.style), stop);
     if (!nearest) return passOn(nearest);
     if (nearest->node == noNode) return std::nullopt;
-    const Node& node = cloud.octree.node(nearest->node);
+    auto point = keptPoint(cloud, *nearest);
+    if (!point) return passOn(std::move(point));
     Picked picked;
-    const glm::dvec3 exact = cloud.origin + position(node, nearest->sample);
-    for (int axis = 0; axis < 3; ++axis) picked.position[axis] = withoutNoise(exact[axis], node.step[axis]);
-    picked.precision = node.step;
-    picked.sample = nearest->sample;
+    picked.point = std::move(*point);
+    picked.sample = nearest->sample();
+    picked.radius = radiusOf(cloud, cloud.octree.node(nearest->node), picked.sample);
     picked.depth = depth;
     picked.distance = nearest->distance;
     return picked;

@@ -4,8 +4,8 @@
 //
 // The picture's depth says where the surface under the pixel lies, whatever method drew it, so that only what
 // is visible can be picked. The nearest of the scan's own points (leaf samples: inner ones are averages) to
-// that place is the answer; what the view does not draw - other classes, outside the clip box, behind mirrors
-// - is none.
+// that place is the answer; what the view does not draw - other classes, outside the clip box, what shapes cut away, behind
+// mirrors - is none.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -13,23 +13,30 @@
 #include <stop_token>
 
 #include "renderer/cloud/cloud.hpp"
+#include "renderer/cloud/file/kept_point.hpp"
+#include "renderer/device/device.hpp"
 
 namespace scancast {
 
 struct Picked {
-    glm::dvec3 position{0};   ///< file coordinates, without digits that say nothing
-    glm::dvec3 precision{0};  ///< the step of the grid that position lies on, per axis
-    Sample sample{};          ///< its attributes
-    double depth = 0;         ///< of the surface under the pixel, cloud units
-    double distance = 0;      ///< from there to the point, cloud units
+    /// The scan's own point, with all that is kept of it. Where its coordinates are rounded (not `exact`), without digits that say
+    /// nothing.
+    KeptPoint point;
+    Sample sample{};      ///< its attributes
+    double radius = 0;    ///< of its surfel, cloud units; 0 = it has none
+    double depth = 0;     ///< of the surface under the pixel, cloud units
+    double distance = 0;  ///< from there to the point, cloud units
 };
 
 /// Cloud-relative place of a pixel's centre at that depth. Errors: those of Viewpoint::create().
 Expected<glm::dvec3> placeUnder(const Cloud& cloud, const View& view, const glm::ivec2& pixel, double depth);
 
+/// Whether a sample may be drawn: the view's classes, its clip, nothing behind mirrors. `p`: cloud-relative.
+bool isDrawn(const SampleFilter& filter, const glm::dvec3& p, const Sample& sample);
+
 /// nullopt for background (depth +infinity), for the glass of a mirror that the view shows, and where every
 /// point is filtered out. Of equally near points the first. Errors: those of placeUnder(), of the cloud's
-/// blocks; Cancelled.
+/// blocks and of what stands beside them (CloudFile::point()); Cancelled.
 Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const glm::ivec2& pixel,
                                      double depth, std::stop_token stop = {});
 

@@ -142,6 +142,7 @@ class ResidentStore final : public SampleStore {
         return (cache_->limit() - tables) / 4 * 3 / BlockTable::bytesPerSample(*cloud_);
     }
     std::uint64_t bytesResident() const override { return cloud_->bytes; }
+    std::shared_ptr<const CloudFile> cloudFile() const override { return cloud_->file; }
 
   private:
     /// Nodes stand in the file's own tables, the octree's and the block table's.

@@ -57,6 +57,7 @@ class SharedStore final : public SampleStore {
     bool isAway() const override { return whole_->isAway(); }
     std::uint64_t capacity() const override { return whole_->capacity() * share_.of; }
     std::uint64_t bytesResident() const override { return whole_->bytesResident(); }
+    std::shared_ptr<const CloudFile> cloudFile() const override { return whole_->cloudFile(); }
 
   private:
     const std::shared_ptr<SampleStore> whole_;

@@ -95,6 +95,16 @@ bool facesAway(const Node& n, const Viewpoint& viewpoint, const glm::dvec3& eye)
     return cosine > std::cos(rightAngle - spread);
 }
 
+/// Whether box and shapes leave nothing of the node's samples, nor of those below it. Bounds are grown by a step, as
+/// devices grow them, which look at the samples of what crosses a face in single precision.
+bool clippedAway(const Node& n, const SelectOptions& options) {
+    const glm::dvec3 low = n.boxMin - n.step, high = n.boxMax + n.step;
+    if (options.clip)
+        for (int a = 0; a < 3; ++a)
+            if (high[a] < options.clip->min[a] || low[a] > options.clip->max[a]) return true;
+    return !options.shapes.empty() && options.shapes.overlap(low, high) == Overlap::None;
+}
+
 class Selection {
   public:
     Selection(const Octree& octree, const Viewpoint& viewpoint, const SelectOptions& options)
@@ -132,6 +142,11 @@ class Selection {
         ++cut_.nodesVisited;
         if (options_.cull && frustum_.misses(n, options_.growSpacings * n.spacing)) {
             ++cut_.nodesCulled;
+            return true;
+        }
+        if (options_.cull && clippedAway(n, options_)) {
+            ++cut_.nodesCulled;
+            ++cut_.nodesClipped;
             return true;
         }
         if (options_.cullBackFaces && (!options_.sureNodesOnly || n.confidence >= sureSide) &&

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "protocol/view/view.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/select/viewpoint.hpp"
 
@@ -36,6 +37,9 @@ struct SelectOptions {
     std::optional<std::array<double, 4>> part{};
     /// Cloud-relative planes, unit normals: samples with dot(xyz, p) + w < 0 are not drawn anyway.
     std::vector<glm::dvec4> inFrontOf{};
+    /// Cloud-relative, too: samples outside of the box, or of what shapes leave, are not drawn anyway.
+    std::optional<ClipBox> clip{};
+    ClipRegions shapes{};
     bool bruteForce = false;  ///< every leaf sample; no selection, no culling
 };
 
@@ -65,6 +69,7 @@ struct Cut {
     std::uint64_t points = 0;   ///< scan points that the drawn nodes stand for, each counted once
     std::uint32_t nodesVisited = 0, nodesCulled = 0, nodesRefined = 0;
     std::uint32_t nodesFacingAway = 0;  ///< of those culled
+    std::uint32_t nodesClipped = 0;     ///< likewise: in view, but cut away by clip box or shapes
     double spacingReached = 0;          ///< largest projected spacing drawn, px
     bool budgetReached = false;
     std::uint32_t nodesMissing =

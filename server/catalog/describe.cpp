@@ -9,6 +9,7 @@
 #include "renderer/image/colormap.hpp"
 #include "renderer/render.hpp"
 #include "renderer/station_view.hpp"
+#include "server/catalog/describe_point.hpp"
 
 namespace scancast {
 namespace {
@@ -157,6 +158,7 @@ nlohmann::json cloudJson(const CatalogEntry& entry) {
     json["photos"] = entry.cloud->photos.size();
     json["classNames"] = classNamesJson(*entry.cloud);
     json["crsName"] = crsName(entry.cloud->crsWkt, entry.cloud->crsEpsg);
+    json["crs"] = crsJson(*entry.cloud);
     json["crsUnit"] = crsUnit(entry.cloud->crsWkt, entry.cloud->crsEpsg);
     return json;
 }
@@ -222,24 +224,6 @@ nlohmann::json photosJson(const std::string& id, const Cloud& cloud, const View&
         list.push_back(std::move(json));
     }
     return {{"photos", std::move(list)}};
-}
-
-nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {
-    const auto numbers = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
-    const Sample& sample = picked.sample;
-    nlohmann::json json{{"position", numbers(picked.position)},
-                        {"precision", numbers(picked.precision)},
-                        {"depth", picked.depth},
-                        {"distance", picked.distance}};
-    if (cloud.attributes.color) json["rgb"] = {sample.r, sample.g, sample.b};
-    if (cloud.attributes.intensity) json["intensity"] = sample.intensity;
-    if (cloud.attributes.classification) {
-        json["classification"] = sample.classification;
-        json["className"] = className(sample.classification);
-    }
-    if (cloud.attributes.normal && sample.normal != noNormal)
-        json["normal"] = numbers(decodeNormal(sample.normal));
-    return json;
 }
 
 /// All that `color` may say but one colour for everything, as menus have it: auto, products, sources.

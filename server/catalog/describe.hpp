@@ -8,7 +8,6 @@
 #include "protocol/catalog.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/method/method.hpp"
-#include "renderer/pick/pick.hpp"
 #include "server/catalog/catalog.hpp"
 
 namespace scancast {
@@ -28,7 +27,5 @@ nlohmann::json stationsJson(const Cloud& cloud, View base);
 /// The body of `/clouds/{id}/photos`: what the scan brought along, each with its address and, where it has a pose, the view from
 /// there, as `base` but for its camera. `id`: the cloud's, as cloudIdFor() makes it.
 nlohmann::json photosJson(const std::string& id, const Cloud& cloud, const View& base);
-/// A picked point: its coordinates, and of its attributes those that the cloud has.
-nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked);
 
 }  // namespace scancast

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "server/catalog/describe.hpp"
+#include "server/catalog/describe_point.hpp"
 #include "server/net/api/handler.hpp"
 #include "server/net/log/shown_target.hpp"
 

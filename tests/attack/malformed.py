@@ -99,7 +99,7 @@ def paths(cloud):
 
 
 def bodies(cloud):
-    snapshot, pick = f"/api/v1/clouds/{cloud}/snapshot", f"/api/v1/clouds/{cloud}/pick"
+    snapshot, pick, measure = (f"/api/v1/clouds/{cloud}/{route}" for route in ("snapshot", "pick", "measure"))
     odd = [b"", b"{", b"}", b"[]", b"null", b"0", b'"x"', b"{}{}", b'{"a":}', b"{'a': 1}", b'{"width": 1e999}', b'{"width": NaN}', b'{"width": "16"}', b'{"width": -1}', b'{"width": 1.5}',
            b'{"width": 16, "width": 17}', b'{"camera": 1}', b'{"camera": {"eye": [1, 2]}}', b'{"camera": {"eye": [1, 2, "3"]}}', b'{"camera": {"eye": [1e308, 1e308, 1e308]}}',
            b'{"camera": {"fov": 0}}', b'{"camera": {"fov": 180}}', b'{"camera": {"viewMatrix": [0]}}', b'{"camera": {"viewMatrix": [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]}}', b'{"param": {"sizePx": []}}', b'{"method": {}}',
@@ -108,8 +108,14 @@ def bodies(cloud):
     for body in odd:
         yield Case("bodies", f"snapshot {body[:24]!r}", posted(snapshot, body), REFUSED | FINE)
         yield Case("bodies", f"pick {body[:24]!r}", posted(pick, body), REFUSED | FINE)
+        yield Case("bodies", f"measure {body[:24]!r}", posted(measure, body), REFUSED | FINE)
     for point in ('{"x": -1, "y": 0}', '{"x": 1e9, "y": 0}', '{"x": "a", "y": 0}', '{"x": 0}', '{"x": null, "y": 0}', '{"x": 0, "y": 0, "view": 7}', '{"x": 0, "y": 0, "view": {"width": 99999}}'):
         yield Case("bodies", f"pick {point}", posted(pick, point.encode()), REFUSED | FINE)
+    corner = "[0, 0, 0], [1e12, 0, 0], [1e12, 1e12, 0]"
+    for what in ('"volume"', f'"volume", "points": [{corner}]', f'"volume", "points": [{corner}], "cell": 1e-12', f'"volume", "points": [{corner}], "cell": 1e11, "base": -1e12',
+                 '"cylinder", "points": [[0, 0, 0]], "within": 1e12', '"circle", "points": [[0, 0, 0], [0, 0, 0], [0, 0, 0]]', '"sphere", "points": [[0, 0, 0]], "within": 1e-12',
+                 '"area", "points": [' + ", ".join("[%d, %d, 0]" % (i % 7, i % 5) for i in range(1000)) + "]", '"distance", "points": [[1e999, 0, 0], [0, 0, 0]]'):
+        yield Case("bodies", f"measure {what[:40]}", posted(measure, ('{"measure": ' + what + "}").encode()), REFUSED | FINE)
     for path in ("/api/v1/clouds", "/api/v1/sessions/nobody/view"):
         for body in (b"{}", b'{"path": "../../etc/passwd"}', b'{"path": "http://evil/"}', b'{"path": "/dev/zero"}', b"[]"):
             yield Case("bodies", f"{path} {body[:24]!r}", posted(path, body))

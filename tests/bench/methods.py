@@ -3,6 +3,7 @@
 
     tests/bench/methods.py [--scan SCAN.laz] [--bin build/release/bin] [--bench build/bench/bench]
                            [--only table,papers,speed] [--town TOWN.scan] [--scenes sign,cube]
+    tests/bench/methods.py --only clips --clouds a.scan,b.scan
     tests/bench/methods.py --only ratio --before OTHER/BUILD/bin/scancast --clouds a.scan,b.scan
 
 Prints Markdown, ready for docs/performance.md:
@@ -15,6 +16,9 @@ Prints Markdown, ready for docs/performance.md:
           against the marks; a frame is everything from the view to the JPEG
   ratio   each method's time in this build over that in another (--before), on cloud files that both can read: one thread,
           what both draw without being asked left out, least of nine turns each, builds in turn. Below 1 is faster
+  clips   each method's time with shapes that cut (--clips) over that without, in turn: one turned box around everything; eight
+          turned slabs that together keep everything, so that the picture is the same and each sample near one of their
+          seven borders is looked at; eight turned boxes of a tenth of the cloud, spread over it, whose insides are taken away
 
 Moving: what the server may go down to while the camera moves, one sample a pixel: first detail (2 px at full
 resolution), then resolution, too (640 x 360 with 2 px of that picture), its floor.
@@ -24,6 +28,7 @@ built with: cmake --preset release -B build/bench -DSCANCAST_BENCH=ON
 """
 import argparse
 import json
+import math
 import os
 import re
 import subprocess
@@ -203,6 +208,39 @@ def ratio(scancast, before, clouds):
         print(f"| `{method}` | {' | '.join(row)} |", flush=True)
 
 
+def shapes_around(low, high):
+    """What to say for --clips, by what it is called."""
+    (x, y, z), (dx, dy, dz) = [(a + b) / 2 for a, b in zip(low, high)], [b - a for a, b in zip(low, high)]
+    whole, yaw = 2 * max(dx, dy, dz), 20
+    angle = math.radians(yaw)
+    across = max(dx, dy) * 1.4 / 8
+    slabs = [f"box:{x + (i - 3.5) * across * math.cos(angle)!r},{y + (i - 3.5) * across * math.sin(angle)!r},{z!r},"
+             f"{across * (1.02 if 0 < i < 7 else 4)!r},{whole!r},{whole!r},{yaw}" for i in range(8)]
+    holes = [f"-box:{x + ((i % 4) - 1.5) / 4 * dx!r},{y + (i // 4 - 0.5) / 2 * dy!r},{z!r},{dx / 10!r},{dy / 10!r},{dz!r},{5 + 40 * i}"
+             for i in range(8)]
+    return {"1 box": f"box:{x!r},{y!r},{z!r},{whole!r},{whole!r},{whole!r},{yaw}", "8 slabs": ";".join(slabs), "8 holes": ";".join(holes)}
+
+
+def clips(scancast, clouds):
+    for cloud in clouds:
+        look = json.loads(output_of([scancast, "look", cloud]))
+        shapes = shapes_around(look["bounds"]["min"], look["bounds"]["max"])
+        flags = ["--threads", "1", "--shading", "unlit", "--light", "occlusion=0", *camera_flags(look["views"][0]["camera"])]
+        print(f"## Cut by shapes: {os.path.basename(cloud)}\n\nms of a picture, selecting included and encoding not; 1280 x 720, one sample a pixel, one "
+              f"thread, least of 9 turns.\n\n| method | not cut | {' | '.join(shapes)} |\n|---|---|{'---|' * len(shapes)}", flush=True)
+        for method in METHODS:
+            taken = {name: [] for name in ["", *shapes]}
+            for _ in range(9):
+                for name, times in taken.items():
+                    cut = ["--clips=" + shapes[name]] if name else []
+                    stats = turn(scancast, cloud, method, frames=3, flags=[*flags, *cut])
+                    times.append(sum(s["medianMs"] for s in stats["stages"] if s["name"] not in ("encode", "provide")))
+            plain = min(taken.pop(""))
+            row = [f"{plain:.1f} ms"] + [f"{min(times) / plain:.2f} ({min(times):.1f} ms)" for times in taken.values()]
+            print(f"| `{method}` | {' | '.join(row)} |", flush=True)
+        print()
+
+
 def prepare(scancast, arguments, folder):
     """Cloud files, with what to call them."""
     clouds = []
@@ -236,7 +274,7 @@ def main():
     parser.add_argument("--scan", help="a real scan, or a cloud file of one")
     parser.add_argument("--plot", default=os.path.join(root, "docs/images/point_sizes.svg"), help="where the plot goes")
     parser.add_argument("--before", help="another build's program, for ratio")
-    parser.add_argument("--clouds", help="cloud files for ratio, comma between them")
+    parser.add_argument("--clouds", help="cloud files for ratio and clips, comma between them")
     parser.add_argument("--folder", help="where to work; by default a temporary folder")
     arguments = parser.parse_args()
     scancast, parts = os.path.join(arguments.bin, "scancast"), arguments.only.split(",")
@@ -245,6 +283,8 @@ def main():
             table(arguments.bench, arguments.scenes)
         if "ratio" in parts:
             ratio(scancast, arguments.before, arguments.clouds.split(","))
+        if "clips" in parts:
+            clips(scancast, arguments.clouds.split(","))
         if "papers" in parts or "speed" in parts:
             clouds = prepare(scancast, arguments, folder)
             if "papers" in parts:

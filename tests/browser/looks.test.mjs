@@ -51,6 +51,14 @@ describe('the looks of the page', { timeout: 170_000 }, () => {
     });
   };
   const box = (selector) => page.locator(selector).boundingBox();
+  /** A place of the picture, at that share of its width. */
+  const press = async (on, hasTouch, share) => {
+    const { x, y, width, height } = await box('#picture');
+    const before = server.received.filter(({ type }) => type === 'pick').length;
+    const place = [x + width * (0.3 + 0.6 * share), y + height / 2];
+    await (hasTouch ? on.touchscreen.tap(...place) : on.mouse.click(...place));
+    await isTrue(() => server.received.filter(({ type }) => type === 'pick').length > before, 'a pick is asked for');
+  };
   const views = () => server.received.filter(({ type }) => type === 'view');
 
   for (const colorScheme of ['light', 'dark']) {
@@ -69,6 +77,29 @@ describe('the looks of the page', { timeout: 170_000 }, () => {
       await page.keyboard.press('Escape');
       await page.keyboard.press('h');
       assert.deepEqual(await findings(), [], 'the presentation');
+    });
+
+    it(`axe finds nothing in the ${colorScheme} theme while one measures, on a phone either`, async () => {
+      for (const options of [{}, phone]) {
+        await open({ ...options, colorScheme });
+        await page.click('#tool-measure');
+        await waitUntilSharp(page);
+        await choose(page, '#measure-kinds', 'height');
+        for (const share of [0.4, 0.6]) await press(page, options.hasTouch, share);
+        await page.waitForSelector('#measure-list .details');
+        await page.evaluate(() => { document.getElementById('measure-files').open = true; });
+        assert.deepEqual(await findings(), [], 'the card');
+        if (options !== phone) {
+          await page.context().close();
+          await server.stop();
+          continue;
+        }
+        const low = await page.$$eval('#measuring button, #measuring label.choice', (nodes) => nodes.map((node) => [node.textContent, node.getBoundingClientRect()])
+          .filter(([, { width: w, height: h }]) => w > 0 && (w < 43.5 || h < 43.5)).map(([name]) => name));
+        assert.deepEqual(low, [], 'too small for fingers');
+        const [card, picture, rail] = [await box('#measuring'), await box('#picture'), await box('#rail')];
+        assert.ok(picture.y + picture.height <= card.y + 0.5 && card.y + card.height <= rail.y + 0.5, 'the picture, the card, the rail');
+      }
     });
 
     it(`axe finds nothing on a phone in the ${colorScheme} theme, nor at the entrance`, async () => {
@@ -161,7 +192,7 @@ describe('the looks of the page', { timeout: 170_000 }, () => {
   it('has no button for what cannot be done yet, and a place for it', async () => {
     await open();
     const tools = await page.$$eval('#rail button', (buttons) => buttons.map((button) => button.textContent));
-    assert.deepEqual(tools, ['Orbit', 'Look', 'Views', 'Picture', 'Present']);
+    assert.deepEqual(tools, ['Orbit', 'Look', 'Measure', 'Cut', 'Views', 'Picture', 'Present']);
     await page.click('#look-around');
     assert.deepEqual(await page.$$eval('#rail [aria-pressed=true]', (buttons) => buttons.map((button) => button.textContent)), ['Look']);
     assert.match(await page.textContent('#hint'), /to look around/);

@@ -1,18 +1,19 @@
 // Any bytes as a cloud file: an error with words, or nodes that keep the promises of the page; never a crash.
 // An input is tried as it is, as changes to a sound file, and as that file's blocks, indices and facts - each
-// time with the checksums made right, or they would keep everything else from being reached; changes are tried in
-// version 1, too.
+// time with the checksums made right, or they would keep everything else from being reached. Changes to records are tried
+// in every version, and changes to what packed indices are stored as.
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 
+#include "files/random_reader.hpp"
 #include "renderer/cloud/export/cloud_points.hpp"
 #include "renderer/cloud/export/export_writer.hpp"
 #include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
-#include "files/random_reader.hpp"
+#include "renderer/cloud/file/packed_index.hpp"
 #include "tests/support/clouds/version_one.hpp"
 
 namespace {
@@ -82,6 +83,8 @@ struct Parts {
     std::string facts;
 };
 
+constexpr std::size_t planesOfSound = 2;
+
 /// What is there, and all of it within `file`, gets its checksum.
 void makeRight(BlockPlace& place, std::span<const std::byte> file) {
     if (place.bytes > 0 && place.offset <= file.size() && place.bytes <= file.size() - place.offset)
@@ -97,7 +100,6 @@ Bytes assemble(const Parts& parts, CloudFileHeader& header) {
         file.insert(file.end(), bytes.begin(), bytes.end());
         return part;
     };
-    header.nodes = std::uint32_t(parts.nodes.size() / nodeRecordBytes);
     header.index = append(parts.nodes);
     header.planes = append(parts.planes);
     header.facts = append(std::as_bytes(std::span(parts.facts.data(), parts.facts.size())));
@@ -105,27 +107,68 @@ Bytes assemble(const Parts& parts, CloudFileHeader& header) {
     return file;
 }
 
-/// A file whose checksums are right, those of the blocks included.
-Bytes versionTwo(Parts parts) {
+/// The checksums of the blocks that records tell of.
+void makeRight(Parts& parts) {
     Bytes blocks(cloudHeaderBytes);
     blocks.insert(blocks.end(), parts.blocks.begin(), parts.blocks.end());
     for (std::size_t at = 0; at + nodeRecordBytes <= parts.nodes.size(); at += nodeRecordBytes) {
         const auto record = std::span(parts.nodes).subspan(at).first<nodeRecordBytes>();
-        StoredNode node = decodeNode(record);
-        makeRight(node.samples, blocks);
-        encodeNode(node, record);
+        BlockPlace samples = decodeNode(record).samples;
+        makeRight(samples, blocks);
+        storeLe(&record[packedNodes.checksumOffset], samples.checksum);
     }
     for (std::size_t at = 0; at + planeRecordBytes <= parts.planes.size(); at += planeRecordBytes) {
         const auto record = std::span(parts.planes).subspan(at).first<planeRecordBytes>();
         BlockPlace place = decodePlane(record);
         makeRight(place, blocks);
-        encodePlane(place, record);
+        storeLe(&record[packedPlaces.checksumOffset], place.checksum);
     }
+}
+
+/// Parts as they are stored, with a header that is right.
+Bytes stored(const Parts& parts, std::uint32_t version, std::size_t nodes) {
     CloudFileHeader header;
     Bytes file = assemble(parts, header);
+    header.version = version;
+    header.nodes = std::uint32_t(nodes);
     const auto start = encodeHeader(header);
     std::copy(start.begin(), start.end(), file.begin());
     return file;
+}
+
+/// A file whose checksums are right, those of the blocks included.
+Bytes versionTwo(Parts parts) {
+    makeRight(parts);
+    return stored(parts, 2, parts.nodes.size() / nodeRecordBytes);
+}
+
+/// Records of nodes and planes, as they are, packed.
+void pack(Parts& parts) {
+    std::vector<StoredNode> nodes;
+    ExpectedNodes expectedNodes;
+    for (std::size_t at = 0; at + nodeRecordBytes <= parts.nodes.size(); at += nodeRecordBytes) {
+        const auto record = std::span(parts.nodes).subspan(at).first<nodeRecordBytes>();
+        std::array<std::byte, nodeRecordBytes> known;
+        std::copy(record.begin(), record.end(), known.begin());
+        expectedNodes.apply(nodes, known, record);
+        nodes.push_back(decodeNode(known));
+    }
+    ExpectedPlaces expectedPlaces(nodes, planesOfSound);
+    for (std::size_t at = 0; at + planeRecordBytes <= parts.planes.size(); at += planeRecordBytes) {
+        const auto record = std::span(parts.planes).subspan(at).first<planeRecordBytes>();
+        std::array<std::byte, planeRecordBytes> known;
+        std::copy(record.begin(), record.end(), known.begin());
+        expectedPlaces.apply(known, record);
+    }
+    parts.nodes = packRecords(parts.nodes, packedNodes);
+    parts.planes = packRecords(parts.planes, packedPlaces);
+}
+
+Bytes versionThree(Parts parts) {
+    makeRight(parts);
+    const std::size_t nodes = parts.nodes.size() / nodeRecordBytes;
+    pack(parts);
+    return stored(parts, 3, nodes);
 }
 
 /// The same in version 1: what is the column's place in version 2 is that of the rows.
@@ -137,8 +180,9 @@ Bytes versionOne(Parts parts) {
         StoredNode node = decodeNode(record);
         makeRight(node.samples, blocks);
         BlockPlace rows;
-        // The sound file has two planes a node, the first of them a column.
-        if (const std::size_t at = 2 * i * planeRecordBytes; at + planeRecordBytes <= parts.planes.size())
+        // The first plane of a node is a column.
+        if (const std::size_t at = planesOfSound * i * planeRecordBytes;
+            at + planeRecordBytes <= parts.planes.size())
             rows = decodePlane(std::span(parts.planes).subspan(at).first<planeRecordBytes>());
         makeRight(rows, blocks);
         test::encodeVersionOneNode(node, rows, record);
@@ -146,6 +190,7 @@ Bytes versionOne(Parts parts) {
     parts.planes.clear();
     CloudFileHeader header;
     Bytes file = assemble(parts, header);
+    header.nodes = std::uint32_t(parts.nodes.size() / nodeRecordBytes);
     const auto start = test::versionOneHeader(header);
     std::copy(start.begin(), start.end(), file.begin());
     return file;
@@ -181,7 +226,7 @@ Parts sound() {
         return block.empty() ? BlockPlace{} : place;
     };
     s.nodes.resize(3 * nodeRecordBytes);
-    s.planes.resize(3 * 2 * planeRecordBytes);
+    s.planes.resize(3 * planesOfSound * planeRecordBytes);
     for (std::uint32_t i = 0; i < 3; ++i) {
         const StoredNode stored{soundNode(i),
                                 put(encodeSamples(std::vector<Sample>(
@@ -189,7 +234,7 @@ Parts sound() {
         encodeNode(stored, std::span(s.nodes).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
         const BlockPlace column = i > 0 ? put(encodeRows(Bytes(20 * 8), 8)) : BlockPlace{};
         const BlockPlace companion = put(encodeRows(Bytes(20 * 4, std::byte(i)), 4));
-        const auto records = std::span(s.planes).subspan(2 * i * planeRecordBytes);
+        const auto records = std::span(s.planes).subspan(planesOfSound * i * planeRecordBytes);
         encodePlane(column, records.first<planeRecordBytes>());
         encodePlane(companion, records.subspan(planeRecordBytes).first<planeRecordBytes>());
     }
@@ -216,29 +261,42 @@ Parts changed(Parts parts, const std::uint8_t* data, std::size_t size) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const Parts start = sound();
-    static const Bytes two = versionTwo(start), one = versionOne(start);
-    static const bool good =
-        CloudFile::open(readerOf(two), "two.scan") && CloudFile::open(readerOf(one), "one.scan");
+    static const Bytes three = versionThree(start), two = versionTwo(start), one = versionOne(start);
+    static const bool good = CloudFile::open(readerOf(three), "three.scan") &&
+                             CloudFile::open(readerOf(two), "two.scan") &&
+                             CloudFile::open(readerOf(one), "one.scan");
     if (!good) std::abort();  // then nothing behind the checks would be reached
     const auto bytes = std::as_bytes(std::span(data, size));
     tryFile(bytes);
 
     const Parts mutant = changed(start, data, size);
+    tryFile(versionThree(mutant));
+    tryExport(versionThree(mutant));
     tryFile(versionTwo(mutant));
-    tryExport(versionTwo(mutant));
     tryFile(versionOne(mutant));
+    // What packed indices are stored as: changed, and said to be of as many nodes as the input likes.
+    Parts packed = start;
+    makeRight(packed);
+    pack(packed);
+    const Parts torn = changed(packed, data, size);
+    tryFile(stored(torn, 3, 3));
+    if (size > 0) tryFile(stored(torn, 3, data[0]));
     // And the input itself as blocks, as nodes, as planes and as facts.
     const auto whole = [&](std::size_t record) {
         return Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size / record * record));
     };
     Parts own = start;
     own.facts = mutant.facts, own.blocks = whole(1);
-    tryFile(versionTwo(own));
+    tryFile(versionThree(own));
     own = start, own.facts = mutant.facts, own.nodes = whole(nodeRecordBytes);
-    tryFile(versionTwo(own));
+    tryFile(versionThree(own));
     own = start, own.facts = mutant.facts, own.planes = whole(planeRecordBytes);
-    tryFile(versionTwo(own));
+    tryFile(versionThree(own));
+    own = packed, own.nodes = whole(1);
+    tryFile(stored(own, 3, size / leastPackedBytes));
+    own = packed, own.planes = whole(1);
+    tryFile(stored(own, 3, 3));
     own = start, own.facts.assign(reinterpret_cast<const char*>(data), size);
-    tryFile(versionTwo(own));
+    tryFile(versionThree(own));
     return 0;
 }

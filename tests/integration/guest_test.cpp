@@ -145,6 +145,10 @@ TEST_F(GuestTest, OneCloudIsAllThatThereIs) {
                    R"({"view": {"width": 32, "height": 16}, "x": 3, "y": 4})", {guest, sendsJson})
                   .status,
               200);
+    EXPECT_EQ(post(port(), "/api/v1/clouds/one/measure",
+                   R"({"measure": "distance", "points": [[0, 0, 0], [1, 0, 0]]})", {guest, sendsJson})
+                  .status,
+              200);
     // The other one is answered as one that was never there.
     for (const std::string rest :
          {"", "/views", "/snapshot.jpg?width=32&height=16", "/snapshot.png", "/stream.mjpg"}) {
@@ -156,7 +160,7 @@ TEST_F(GuestTest, OneCloudIsAllThatThereIs) {
             none.body.replace(at, 3, "two");
         EXPECT_EQ(other.body, none.body);
     }
-    for (const std::string rest : {"/snapshot", "/pick"})
+    for (const std::string rest : {"/snapshot", "/pick", "/measure"})
         EXPECT_EQ(
             post(port(), "/api/v1/clouds/two" + rest, R"({"view": {}, "x": 3, "y": 4})", {guest, sendsJson})
                 .status,

@@ -17,6 +17,8 @@ void addInfo(CLI::App& app, int& exitCode);
 void addBench(CLI::App& app, int& exitCode);
 void addPath(CLI::App& app, int& exitCode);
 void addView(CLI::App& app, int& exitCode);
+void addPick(CLI::App& app, int& exitCode);
+void addMeasure(CLI::App& app, int& exitCode);
 
 /// What every subcommand needs to know.
 struct ServerFlags {

@@ -17,6 +17,8 @@ int main(int argc, char** argv) {
         "  scancast-client snapshot http://127.0.0.1:8080/ --method cone -o town.jpg\n"
         "  scancast-client orbit http://127.0.0.1:8080/ --frames 36 -o frames/\n"
         "  scancast-client view http://127.0.0.1:8080/\n"
+        "  scancast-client pick http://127.0.0.1:8080/ town --x 640 --y 360\n"
+        "  scancast-client measure http://127.0.0.1:8080/ distance town --point 0,0,0 --point 3,4,0\n"
         "Each subcommand has a --help of its own.\n" +
         std::string(scancast::exitCodesText));
     app.require_subcommand(1);
@@ -27,6 +29,8 @@ int main(int argc, char** argv) {
     scancast::client::addPath(app, exitCode);
     scancast::client::addView(app, exitCode);
     scancast::client::addBench(app, exitCode);
+    scancast::client::addPick(app, exitCode);
+    scancast::client::addMeasure(app, exitCode);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

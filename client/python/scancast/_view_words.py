@@ -62,6 +62,8 @@ class ViewWords(TypedDict, total=False):
     classes: Union[Sequence[int], None, Literal["auto"]]
     # Draw what lies inside this box only; auto draws everything.
     clip: Union[Box, None, Literal["auto"]]
+    # Cut by up to eight shapes: box:CX,CY,CZ,SX,SY,SZ[,YAW[,PITCH,ROLL]] keeps what is in a turned box (in one of them at least), -box: what is outside, plane:PX,PY,PZ,NX,NY,NZ the side that its normal points to; auto cuts nothing.
+    clips: Union[Sequence[Mapping[str, Any]], None, Literal["auto"]]
     # How light falls on points; auto leaves it to the method.
     shading: Union[str, None, Literal["auto"]]
     # How light falls; what is left out keeps its value.
@@ -107,6 +109,7 @@ PLACES: Dict[str, Tuple[str, ...]] = {
     "range": ("range",),
     "classes": ("classes",),
     "clip": ("clip",),
+    "clips": ("clips",),
     "shading": ("shading",),
     "light": ("light",),
     "mirrors": ("mirrors",),
@@ -126,6 +129,7 @@ AUTOMATIC: FrozenSet[str] = frozenset({
     "budget",
     "classes",
     "clip",
+    "clips",
     "detail",
     "exposure",
     "far",

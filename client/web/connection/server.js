@@ -103,6 +103,22 @@ export class Server {
     return (await this.ask(snapshotUrl(cloud, view, width, height, format), { signal, cache: 'default' })).blob();
   }
 
+  /** The point of the scan that a pixel of that view's picture shows, or null. */
+  async pick(cloud, view, { x, y }) {
+    const response = await this.ask(`${pathOf(cloud)}/pick`, {
+      method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ view, x, y }), signal: AbortSignal.timeout(3 * patienceMs),
+    });
+    return response.json();
+  }
+
+  /** What the scan's points say: volumes, fitted shapes. `question` as the protocol has it ("A measurement"). */
+  async measure(cloud, question) {
+    const response = await this.ask(`${pathOf(cloud)}/measure`, {
+      method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(question), signal: AbortSignal.timeout(12 * patienceMs),
+    });
+    return response.json();
+  }
+
   /** Gets a pass for the guest's link of this tab, and goes on renewing it; resolves to its cloud's id, throws what the server refuses with. */
   async enterAsGuest() {
     clearTimeout(this.#renewal);

@@ -4,6 +4,9 @@
 // index.html holds no words but its title: an element with data-text="panel.title" gets that string as its text; data-label,
 // data-tip and data-hint are its aria-label, title and placeholder.
 
+import { clip } from './strings/clip.js';
+import { measure } from './strings/measure.js';
+
 /** 1234567 → "1.2 million". Pure. */
 export function amount(value) {
   if (!Number.isFinite(value)) return '–';
@@ -341,6 +344,9 @@ export const strings = {
     stops: ['Collision on', 'You cannot walk or fall through surfaces.'],
     passes: ['Collision off', 'You pass through surfaces. Press C to switch collision back on.'],
   },
+
+  measure,
+  clip,
 
   /** What the methods' parameters are called; those that are not here are called what the server calls them. */
   parameters: {

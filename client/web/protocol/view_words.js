@@ -90,6 +90,36 @@ const box = {
   print: ({ min, max }) => numbers([...min, ...max]),
 };
 
+/** A box, turned or not, or a half-space: as the JSON view has them, all their parts said. */
+function readShape(text) {
+  const [, outside, kind, list] = /^(-?)(box|plane):(.*)$/.exec(text) ?? [];
+  const values = list === undefined ? undefined : readNumbers(list);
+  if (!values?.every((value) => Math.abs(value) <= farthest)) return undefined;
+  const [at, by, turn] = [values.slice(0, 3), values.slice(3, 6), values.slice(6)];
+  if (kind === 'plane') {
+    const good = values.length === 6 && !outside && by.some((value) => value !== 0);
+    return good ? { plane: { point: at, normal: by } } : undefined;
+  }
+  const good = [6, 7, 9].includes(values.length) && by.every((value) => value > 0) && turn.every((angle) => Math.abs(angle) <= 360);
+  return good ? { box: { center: at, size: by, turn: [...turn, 0, 0, 0].slice(0, 3) }, keep: outside ? 'outside' : 'inside' } : undefined;
+}
+
+function printShape({ box: turned, plane, keep }) {
+  if (plane) return `plane:${numbers([...plane.point, ...plane.normal])}`;
+  const [yaw, ...others] = turned.turn ?? [0, 0, 0];
+  const turn = others.some((angle) => angle !== 0) ? [yaw, ...others] : yaw === 0 ? [] : [yaw];
+  return `${keep === 'outside' ? '-' : ''}box:${numbers([...turned.center, ...turned.size, ...turn])}`;
+}
+
+export const mostShapes = 8;
+const shapes = {
+  read(text) {
+    const values = text.split(';').map(readShape);
+    return values.length <= mostShapes && !values.includes(undefined) ? values : undefined;
+  },
+  print: (values) => (values.length > 0 ? values.map(printShape).join(';') : 'auto'),
+};
+
 const plain = (word, kind) => ({ word, at: [word], ...kind });
 const open = (word, kind) => ({ ...plain(word, kind), auto: true });
 /** Said only where it is not what the cloud has anyway. */
@@ -101,7 +131,7 @@ const table = [
   plain('method', named), plain('color', color), plain('colormap', named),
   open('range', tuple(2, ([low, high]) => low < high)), open('shading', named),
   plain('mirrors', flag), plain('behindMirrors', flag), plain('background', background), open('detail', numeric(0, 1024)),
-  rare(open('exposure', numeric(-3, 3))), rare(open('classes', classes)), rare(open('clip', box)),
+  rare(open('exposure', numeric(-3, 3))), rare(open('classes', classes)), rare(open('clip', box)), rare(open('clips', shapes)),
   light('ambient', share), light('headlight', share), light('sunlight', share), light('shine', share), light('shadow', share),
   { ...light('occlusion', share), auto: true },
   { ...light('sun', tuple(2, ([around, above]) => Math.abs(around) <= 360 && above >= 0 && above <= 90)), auto: true },
@@ -199,10 +229,10 @@ export function readCamera(pairs) {
   return Object.keys(camera).length > 0 ? camera : undefined;
 }
 
-/** key=value&…, with commas, dots and colons left readable. */
+/** key=value&…, with commas, dots, colons and semicolons left readable. */
 export const printQuery = (words) =>
   words
-    .map(([word, value]) => `${encodeURIComponent(word)}=${encodeURIComponent(value).replace(/%2C/g, ',').replace(/%3A/g, ':')}`)
+    .map(([word, value]) => `${encodeURIComponent(word)}=${encodeURIComponent(value).replace(/%2C/g, ',').replace(/%3A/g, ':').replace(/%3B/g, ';')}`)
     .join('&');
 
 /** Where the full-quality picture of a view is to be had. */

@@ -28,6 +28,8 @@ export const keyTable = [
   ['4 5 6', 'from the back, the left, below'],
   ['L', 'switch dragging between orbit and look around'],
   ['O', 'perspective or orthographic'],
+  ['M', 'measure; then Space takes the point in the middle'],
+  ['X', 'cut by boxes'],
   ['V', 'suggested views'],
   ['H', 'presentation: the picture and nothing else'],
   ['Ctrl Z', 'previous view (with Shift: the next)'],

@@ -41,14 +41,22 @@ export class Picture {
   /** From where it was drawn (pose.js), its margin included; undefined where nobody knows. */
   pose;
 
-  /** `onResize` is called when another size of picture is wanted, once the window has come to rest. */
-  constructor(canvas, onResize) {
+  /**
+   * `onResize` is called when another size of picture is wanted, once the window has come to rest; `onShown` when what is seen is seen
+   * from elsewhere, later than lookFrom() was called for that.
+   */
+  constructor(canvas, onResize, onShown = () => {}) {
     this.#canvas = canvas;
     this.#context = canvas.getContext('2d', { alpha: true });
     this.#onResize = onResize;
-    this.#reprojection = new Reprojection(canvas);
+    this.#reprojection = new Reprojection(canvas, onShown);
     this.#adopt();
     new ResizeObserver(() => this.#resized()).observe(canvas);
+  }
+
+  /** From where what is seen on the canvas looks, be it the frame itself or what stands in for the next one; undefined where nobody knows. */
+  get shownPose() {
+    return this.#reprojection.pose ?? this.pose;
   }
 
   /** In CSS pixels, as cursors are. */

@@ -38,13 +38,16 @@ export class Reprojection {
   #fast = 0; // the same of fast ones
   #pending; // { fence, start } of one that the graphics processor has not finished
   #owed; // from where to show it as soon as that is finished
+  #pose; // from where the one that is seen looks
+  #late; // told of one that was owed
 
   /** What the newest one took, in milliseconds, from its first command to its last pixel; undefined before any has been measured. */
   milliseconds;
 
-  /** Over that canvas, which is in the document. */
-  constructor(canvas) {
+  /** Over that canvas, which is in the document. `late()` hears of one that is seen later than show() was called for it. */
+  constructor(canvas, late = () => {}) {
     this.#canvas = canvas;
+    this.#late = late;
     this.#over = canvasOver(canvas);
     const options = { alpha: true, antialias: false, depth: true, stencil: false, powerPreference: 'high-performance' };
     this.#gl = /** @type {WebGL2RenderingContext} */ (this.#over.getContext('webgl2', options)) ?? undefined;
@@ -81,6 +84,11 @@ export class Reprojection {
     return this.#over.style.visibility === 'visible';
   }
 
+  /** From where the one that is seen looks (pose.js); undefined while the picture itself is seen. */
+  get pose() {
+    return this.isVisible ? this.#pose : undefined;
+  }
+
   /** The frame as it would look from there; nothing where it is from there. */
   show(wanted) {
     const frame = this.#frame;
@@ -99,6 +107,7 @@ export class Reprojection {
       return;
     }
     this.#align();
+    this.#pose = wanted;
     this.#over.style.visibility = 'visible';
   }
 
@@ -149,7 +158,10 @@ export class Reprojection {
 
   #await() {
     if (!this.#isFinished()) setTimeout(() => this.#await(), 2);
-    else if (this.#owed) this.show(this.#owed);
+    else if (this.#owed) {
+      this.show(this.#owed);
+      this.#late();
+    }
   }
 
   /** Who is too slow draws coarser ones, then none for a while; who has been fast for long, finer ones. */

@@ -15,12 +15,13 @@
 //   camera      the same, of the camera alone, with every step of it: { by }
 //   asked       { seq }: the server has been told
 //   frame       the frame that has just been drawn, `current`: whether it shows what was asked for last
+//   shown       nothing: what is on the canvas may look from elsewhere than before (`shownPose`)
 //   unreadable  nothing: a picture could not be decoded
 //   stats, problem  as the protocol has them
 
 import { Session } from '../connection/session.js';
 import { styleKeys } from '../protocol/view_words.js';
-import { leastDistanceTo, mostDistanceTo } from './anchor.js';
+import { leastDistanceTo, mostDistanceTo, surfaceUnder } from './anchor.js';
 import { Exchange } from './exchange.js';
 import { FirstViews } from './first_views.js';
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
@@ -85,7 +86,7 @@ export class Viewer extends EventTarget {
       this.#exchange.change({ width, height });
       if (!this.#moved) this.#refit();
       this.#wake();
-    });
+    }, () => this.#tell('shown'));
     this.#exchange = new Exchange(canvas, this.#picture);
     this.#firstViews = new FirstViews(server);
     this.#session = new Session(server, {
@@ -153,6 +154,12 @@ export class Viewer extends EventTarget {
   get isUntouched() { return !this.#moved && !this.#styled; }
   /** Pixels of the picture. */
   get pictureSize() { return this.#picture.size; }
+  /** Of the canvas, in CSS pixels, as cursors are. */
+  get cssSize() { return this.#picture.cssSize; }
+  /** From where what is on the canvas looks (pose.js), at every frame of the display; undefined where nobody knows. */
+  get shownPose() { return this.#picture.shownPose; }
+  /** What the newest picture has seen of the surface (seen.js). */
+  get seen() { return this.#exchange.seen[0]; }
   /** Nothing has been drawn yet. */
   get isBlank() { return this.#picture.isBlank; }
 
@@ -165,6 +172,23 @@ export class Viewer extends EventTarget {
     if (first.inside) return theirs;
     const free = this.#free;
     return this.#firstViews.first(of, cssSize, free, upAxis) ?? fittedInto(theirs, cssSize, free);
+  }
+
+  /** The surface under a cursor, as far as the newest picture's depth tells: { point, depth }; undefined where there is none. */
+  surfaceAt(cursor) {
+    return this.#camera && surfaceUnder(this.seen, this.#camera, cursor, this.#picture.cssSize, this.bounds);
+  }
+
+  /**
+   * The point of the scan that is seen under a cursor, as the protocol has it ("A picked point"); null where there is none. Rejects
+   * with what the server refuses with.
+   */
+  async pickAt({ x, y }) {
+    const { size: { width, height }, cssSize } = this.#picture;
+    if (x < 0 || y < 0 || x >= cssSize.width || y >= cssSize.height) return null;
+    const scale = width / cssSize.width;
+    const { cloud, ...view } = this.view;
+    return this.server.pick(cloud, { ...view, width, height }, { x: x * scale, y: y * scale });
   }
 
   // ---- what one may do
@@ -481,6 +505,7 @@ export class Viewer extends EventTarget {
   #reproject() {
     if (this.#camera && this.#session.connection && !this.#calm.matches) this.#picture.lookFrom(this.#camera, this.bounds);
     else this.#picture.showItself();
+    this.#tell('shown');
   }
 
   #fly() {

@@ -40,7 +40,8 @@ struct Opened {
     AdditiveFrame frame;
     AdditiveTree tree;
     CloudFacts facts;
-    std::vector<RawPoints> upper;  ///< own points of upper voxels, by voxel; stay
+    std::vector<LasColumn> columns;  ///< of the records
+    std::vector<RawPoints> upper;    ///< own points of upper voxels, by voxel; stay
 };
 
 class CopcFile final : public CloudFile {
@@ -93,6 +94,23 @@ class CopcFile final : public CloudFile {
     BlockPlace planePlace(std::uint32_t, std::size_t) const override { return {}; }
     Expected<Bytes> rows(std::uint32_t) const override { return Bytes(); }
 
+    /// Samples have lost whose records they were: the first that gives this sample is the point, of the voxel itself, then of those
+    /// above.
+    Expected<KeptPoint> point(std::uint32_t leaf, std::span<const Sample> samples,
+                              std::size_t index) const override {
+        const Sample& sample = samples[index];
+        for (std::uint32_t node = leaf; node != noNode; node = nodes()[node].node.parent) {
+            const std::uint32_t voxel = opened_->tree.own[node].voxel;
+            if (voxel == noVoxel || opened_->hierarchy.voxels[voxel].points == 0) continue;
+            const auto records = chunks_.records(voxel);
+            if (!records) return named(node, records.error());
+            auto found = findRecord(*records, sample, opened_->tree.own[leaf].lattice);
+            if (!found) return named(node, found.error());
+            if (*found) return std::move(**found);
+        }
+        return named(leaf, {ErrorCode::Malformed, "a point of it is not in its file any more", {}});
+    }
+
   private:
     RawPoints upper(std::uint32_t voxel) const {
         return voxel < opened_->upper.size() ? opened_->upper[voxel] : nullptr;
@@ -105,6 +123,27 @@ class CopcFile final : public CloudFile {
         auto points = rawPointsOf(*records, opened_->las, opened_->depth);
         if (!points) return passOn(std::move(points));
         return std::make_shared<const std::vector<RawPoint>>(std::move(*points));
+    }
+
+    Expected<std::optional<KeptPoint>> findRecord(std::span<const std::byte> records, const Sample& sample,
+                                                  const NodeLattice& lattice) const {
+        const auto points = rawPointsOf(records, opened_->las, opened_->depth);
+        if (!points) return passOn(points);
+        const auto gives = [&](const RawPoint& point) {
+            const auto at = onLattice(point, lattice);
+            return at && *at == std::array{sample.x, sample.y, sample.z} &&
+                   point.intensity == sample.intensity && point.classification == sample.classification &&
+                   point.color == std::array{sample.r, sample.g, sample.b};
+        };
+        const auto at = std::ranges::find_if(*points, gives);
+        if (at == points->end()) return std::nullopt;
+        const StepGrid grid = opened_->las.grid();
+        KeptPoint kept{grid.at(at->at), grid.step, true, {}, {}, {}};
+        const std::size_t stride = opened_->las.recordBytes;
+        decodeLasColumns(records.subspan(std::size_t(at - points->begin()) * stride, stride), stride,
+                         opened_->columns, kept.row);
+        for (const LasColumn& column : opened_->columns) kept.columns.push_back(column.column);
+        return kept;
     }
 
     tl::unexpected<Error> named(std::uint32_t node, const Error& error) const {
@@ -137,6 +176,7 @@ class Opening {
         auto hierarchy = readCopcHierarchy(reader, head->info);
         if (!hierarchy) return passOn(std::move(hierarchy));
         opened_->las = head->las.las();
+        opened_->columns = head->las.allColumns();
         opened_->shape = head->shape;
         opened_->shape.owner = newSource();
         opened_->hierarchy = std::move(*hierarchy);

@@ -33,6 +33,18 @@ Expected<std::vector<RawPoint>> rawPointsOf(std::span<const std::byte> records, 
     return points;
 }
 
+std::optional<std::array<std::uint16_t, 3>> onLattice(const RawPoint& point, const NodeLattice& lattice) {
+    std::array<std::uint16_t, 3> at{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::int64_t from = point.at[a] - lattice.low[a];
+        const std::int64_t half = lattice.shift[a] > 0 ? std::int64_t(1) << (lattice.shift[a] - 1) : 0;
+        const std::int64_t sample = (from + half) >> lattice.shift[a];
+        if (from < 0 || sample > highestInSample) return std::nullopt;
+        at[a] = std::uint16_t(sample);
+    }
+    return at;
+}
+
 Expected<std::vector<Sample>> samplesOf(std::span<const RawPoint> points, const NodeLattice& lattice) {
     struct Keyed {
         std::uint64_t key;
@@ -41,20 +53,15 @@ Expected<std::vector<Sample>> samplesOf(std::span<const RawPoint> points, const 
     std::vector<Keyed> keyed;
     keyed.reserve(points.size());
     for (const RawPoint& point : points) {
-        std::array<std::uint16_t, 3> at{};
-        for (std::size_t a = 0; a < 3; ++a) {
-            const std::int64_t from = point.at[a] - lattice.low[a];
-            const std::int64_t half = lattice.shift[a] > 0 ? std::int64_t(1) << (lattice.shift[a] - 1) : 0;
-            const std::int64_t sample = (from + half) >> lattice.shift[a];
-            if (from < 0 || sample > highestInSample)
-                return fail(ErrorCode::Malformed,
-                            "points lie outside their voxel, or outside the bounds that the file gives; "
-                            "ingest it, and serve what comes of that");
-            at[a] = std::uint16_t(sample);
-        }
-        keyed.push_back({mortonKey(at[0], at[1], at[2]),
-                         {at[0], at[1], at[2], point.intensity, point.color[0], point.color[1],
-                          point.color[2], point.classification, noNormal, 0, 0}});
+        const auto at = onLattice(point, lattice);
+        if (!at)
+            return fail(ErrorCode::Malformed,
+                        "points lie outside their voxel, or outside the bounds that the file gives; "
+                        "ingest it, and serve what comes of that");
+        const auto& [x, y, z] = *at;
+        keyed.push_back({mortonKey(x, y, z),
+                         {x, y, z, point.intensity, point.color[0], point.color[1], point.color[2],
+                          point.classification, noNormal, 0, 0}});
     }
     std::ranges::sort(keyed, [](const Keyed& a, const Keyed& b) {
         if (a.key != b.key) return a.key < b.key;

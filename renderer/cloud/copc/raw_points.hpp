@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,9 @@ using RawPoints = std::shared_ptr<const std::vector<RawPoint>>;
 /// Of LAS records. Malformed where a colour has 16 bits and `depth` says that none has.
 Expected<std::vector<RawPoint>> rawPointsOf(std::span<const std::byte> records, const LasHeader& las,
                                             LasColorDepth depth);
+
+/// Where a point is among the samples of a node, on each axis; nullopt: elsewhere than in the node's box.
+std::optional<std::array<std::uint16_t, 3>> onLattice(const RawPoint& point, const NodeLattice& lattice);
 
 /// Samples in Morton order, the same for the same points in any order; without surfels. Malformed where a point lies elsewhere than the
 /// node's box.

@@ -1,6 +1,6 @@
 // The cloud file (CLOUD_FILE.md): an octree on disk. Opens by its index alone, in milliseconds at any size;
 // blocks are read one by one, checked before they are decoded. Nothing is memory-mapped: a truncated file is
-// an error, not a signal. Version 1 files are read, too; who reads them sees no difference.
+// an error, not a signal. Files of versions 1 and 2 are read, too; who reads them sees no difference.
 // Pipeline: ingest → **cloud file** → residency.
 //
 // *Thread safety*: a CloudFile may be read from any number of threads.
@@ -16,6 +16,7 @@
 #include "files/input_file.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/file/block_place.hpp"
+#include "renderer/cloud/file/kept_point.hpp"
 
 namespace scancast {
 
@@ -64,6 +65,10 @@ class CloudFile {
     /// All facts().columns of one node in rows, in the order of its samples; inner nodes and clouds without have
     /// none.
     virtual Expected<std::vector<std::byte>> rows(std::uint32_t node) const = 0;
+    /// All that is known of one of a leaf's points: the one whose sample is samples[index], of what samples() gives. Waits for
+    /// what it is read from. Errors: as samples().
+    virtual Expected<KeptPoint> point(std::uint32_t leaf, std::span<const Sample> samples,
+                                      std::size_t index) const;
 };
 
 /// Whether a file with these first bytes is (meant to be) a cloud file.

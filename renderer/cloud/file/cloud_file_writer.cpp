@@ -17,6 +17,7 @@
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 #include "renderer/cloud/file/node_index.hpp"
+#include "renderer/cloud/file/packed_index.hpp"
 #include "renderer/cloud/file/plane_index.hpp"
 
 namespace scancast {
@@ -80,15 +81,10 @@ class Writer final : public CloudFileWriter {
 
         CloudFileHeader header;
         header.nodes = std::uint32_t(nodes.size());
-        std::vector<std::byte> records(nodes.size() * nodeRecordBytes);
-        for (std::size_t i = 0; i < nodes.size(); ++i)
-            encodeNode(nodes[i], std::span(records).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
-        if (auto ok = writePart(records, header.index); !ok) return ok;
-        records.resize(planes.size() * planeRecordBytes);
-        for (std::size_t i = 0; i < planes.size(); ++i)
-            encodePlane(planes[i],
-                        std::span(records).subspan(i * planeRecordBytes).first<planeRecordBytes>());
-        if (auto ok = writePart(records, header.planes); !ok) return ok;
+        const auto index = packRecords(residualsOf(nodes), packedNodes);
+        if (auto ok = writePart(index, header.index); !ok) return ok;
+        const auto beside = packRecords(residualsOf(planes, nodes, planesOf(facts).size()), packedPlaces);
+        if (auto ok = writePart(beside, header.planes); !ok) return ok;
         if (auto ok = writePart(std::as_bytes(std::span(*json)), header.facts); !ok) return ok;
         header.fileBytes = written_;
         return publish(header);

@@ -1,4 +1,4 @@
-// What a cloud file of either version says of itself, read and checked: all of it but its blocks. Any thread.
+// What a cloud file of any version says of itself, read and checked: all of it but its blocks. Any thread.
 // Pipeline: bytes → **contents** → cloud file.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace scancast {
 
-/// What a file of either version says of itself.
+/// What a file of any version says of itself.
 struct FileContents {
     std::uint32_t version = cloudFileVersion;
     StoredFacts facts;

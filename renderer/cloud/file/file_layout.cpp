@@ -9,41 +9,6 @@
 
 namespace scancast {
 
-// Offsets stand here once; the functions below walk through the same order.
-const std::array<FileField, 17> cloudHeaderFields{{{0, 8, "magic"},
-                                                   {8, 4, "version"},
-                                                   {12, 4, "headerBytes"},
-                                                   {16, 8, "fileBytes"},
-                                                   {24, 8, "indexOffset"},
-                                                   {32, 8, "indexBytes"},
-                                                   {40, 8, "indexChecksum"},
-                                                   {48, 8, "factsOffset"},
-                                                   {56, 8, "factsBytes"},
-                                                   {64, 8, "factsChecksum"},
-                                                   {72, 4, "nodes"},
-                                                   {76, 4, "nodeRecordBytes"},
-                                                   {80, 8, "planesOffset"},
-                                                   {88, 8, "planesBytes"},
-                                                   {96, 8, "planesChecksum"},
-                                                   {104, 16, "zero"},
-                                                   {120, 8, "headerChecksum"}}};
-
-const std::array<FileField, 23> nodeRecordFields{{{0, 24, "boxMin"},         {24, 24, "step"},
-                                                  {48, 24, "boxMax"},        {72, 24, "center"},
-                                                  {96, 8, "radius"},         {104, 4, "spacing"},
-                                                  {108, 4, "meanSpacing"},   {112, 4, "radiusUnit"},
-                                                  {116, 12, "coneAxis"},     {128, 4, "coneHalfAngle"},
-                                                  {132, 4, "parent"},        {136, 4, "firstChild"},
-                                                  {140, 1, "childCount"},    {141, 1, "level"},
-                                                  {142, 1, "confidence"},    {143, 1, "zero"},
-                                                  {144, 4, "sampleCount"},   {148, 4, "samplesBytes"},
-                                                  {152, 8, "firstSample"},   {160, 8, "points"},
-                                                  {168, 8, "samplesOffset"}, {176, 8, "samplesChecksum"},
-                                                  {184, 24, "zero"}}};
-
-const std::array<FileField, 4> planeRecordFields{
-    {{0, 8, "offset"}, {8, 8, "checksum"}, {16, 4, "bytes"}, {20, 4, "zero"}}};
-
 namespace {
 
 constexpr std::size_t planesPartEnd = 104, ownChecksumOffset = 120;
@@ -143,14 +108,17 @@ bool liesWithin(const FilePart& part, std::uint64_t from, std::uint64_t end) {
 
 /// Whether the parts lie as the header's version has them, in a file of `fileBytes` bytes.
 bool partsFit(const CloudFileHeader& h, std::uint64_t fileBytes) {
-    if (h.nodes == 0 || h.index.bytes != std::uint64_t(h.nodes) * nodeRecordBytes ||
+    const bool packed = h.version >= firstPackedVersion;
+    if (h.nodes == 0 ||
+        (packed ? h.index.bytes / leastPackedBytes < h.nodes
+                : h.index.bytes != std::uint64_t(h.nodes) * nodeRecordBytes) ||
         !liesWithin(h.index, cloudHeaderBytes, h.fileBytes) || !liesWithin(h.facts, 0, h.fileBytes) ||
         h.facts.end() != h.fileBytes)
         return false;
     if (h.version == 1)
         return h.fileBytes == fileBytes && h.facts.offset == h.index.end() && h.planes == FilePart{};
     return h.planes.offset == h.index.end() && liesWithin(h.planes, 0, h.fileBytes) &&
-           h.planes.bytes % (std::uint64_t(h.nodes) * planeRecordBytes) == 0 &&
+           (packed || h.planes.bytes % (std::uint64_t(h.nodes) * planeRecordBytes) == 0) &&
            h.facts.offset >= h.planes.end();
 }
 
@@ -164,7 +132,7 @@ std::array<std::byte, cloudHeaderBytes> encodeHeader(const CloudFileHeader& head
     std::array<std::byte, cloudHeaderBytes> bytes{};
     To put{bytes.data()};
     put(cloudFileMagic);
-    put(cloudFileVersion);
+    put(header.version);
     put(std::uint32_t(cloudHeaderBytes));
     put(header.fileBytes);
     walkPart(put, header.index);

@@ -20,16 +20,59 @@ struct FileField {
 };
 
 inline constexpr std::array<char, 8> cloudFileMagic{'S', 'C', 'A', 'N', 'C', 'L', 'D', '\x1a'};
-/// What is written. Version 1 is read, too.
-inline constexpr std::uint32_t cloudFileVersion = 2;
+/// What is written. Versions 1 and 2 are read, too.
+inline constexpr std::uint32_t cloudFileVersion = 3;
+/// From this one on both indices are packed (packed_index.hpp).
+inline constexpr std::uint32_t firstPackedVersion = 3;
 inline constexpr std::size_t cloudHeaderBytes = 128;
 inline constexpr std::size_t nodeRecordBytes = 208;
 inline constexpr std::size_t planeRecordBytes = 24;
+/// Of a packed record, its checksum at least is stored as it is: so the length of an index bounds how many it may hold.
+inline constexpr std::size_t leastPackedBytes = 8;
 
-/// In the order of the file; they leave no gap.
-extern const std::array<FileField, 17> cloudHeaderFields;
-extern const std::array<FileField, 23> nodeRecordFields;
-extern const std::array<FileField, 4> planeRecordFields;
+/// In the order of the file; they leave no gap. Offsets stand here once: what encodes and decodes walks through the same order.
+inline constexpr std::array<FileField, 17> cloudHeaderFields{{{0, 8, "magic"},
+                                                              {8, 4, "version"},
+                                                              {12, 4, "headerBytes"},
+                                                              {16, 8, "fileBytes"},
+                                                              {24, 8, "indexOffset"},
+                                                              {32, 8, "indexBytes"},
+                                                              {40, 8, "indexChecksum"},
+                                                              {48, 8, "factsOffset"},
+                                                              {56, 8, "factsBytes"},
+                                                              {64, 8, "factsChecksum"},
+                                                              {72, 4, "nodes"},
+                                                              {76, 4, "nodeRecordBytes"},
+                                                              {80, 8, "planesOffset"},
+                                                              {88, 8, "planesBytes"},
+                                                              {96, 8, "planesChecksum"},
+                                                              {104, 16, "zero"},
+                                                              {120, 8, "headerChecksum"}}};
+
+inline constexpr std::array<FileField, 23> nodeRecordFields{
+    {{0, 24, "boxMin"},         {24, 24, "step"},
+     {48, 24, "boxMax"},        {72, 24, "center"},
+     {96, 8, "radius"},         {104, 4, "spacing"},
+     {108, 4, "meanSpacing"},   {112, 4, "radiusUnit"},
+     {116, 12, "coneAxis"},     {128, 4, "coneHalfAngle"},
+     {132, 4, "parent"},        {136, 4, "firstChild"},
+     {140, 1, "childCount"},    {141, 1, "level"},
+     {142, 1, "confidence"},    {143, 1, "zero"},
+     {144, 4, "sampleCount"},   {148, 4, "samplesBytes"},
+     {152, 8, "firstSample"},   {160, 8, "points"},
+     {168, 8, "samplesOffset"}, {176, 8, "samplesChecksum"},
+     {184, 24, "zero"}}};
+
+inline constexpr std::array<FileField, 4> planeRecordFields{
+    {{0, 8, "offset"}, {8, 8, "checksum"}, {16, 4, "bytes"}, {20, 4, "zero"}}};
+
+/// Where a field begins, of a table that has it.
+template <std::size_t N>
+consteval std::size_t offsetIn(const std::array<FileField, N>& fields, std::string_view name) {
+    for (const FileField& field : fields)
+        if (field.name == name) return field.offset;
+    throw "there is no such field";
+}
 
 /// What is read in one piece, or front to back, and is no block.
 struct FilePart {
@@ -38,7 +81,7 @@ struct FilePart {
     bool operator==(const FilePart&) const = default;
 };
 
-/// Where the parts of a file of either version lie. Version 1 has no index of planes: its is empty.
+/// Where the parts of a file of any version lie. Version 1 has no index of planes: its is empty.
 struct CloudFileHeader {
     std::uint32_t version = cloudFileVersion;
     std::uint64_t fileBytes = 0;  ///< up to the end of the facts; what stands behind means nothing
@@ -47,7 +90,7 @@ struct CloudFileHeader {
     bool operator==(const CloudFileHeader&) const = default;
 };
 
-/// As cloudFileVersion has it.
+/// Of a file of `header.version`.
 std::array<std::byte, cloudHeaderBytes> encodeHeader(const CloudFileHeader& header);
 /// Of the first bytes of a file of `fileBytes` bytes, as many of them as there are (up to cloudHeaderBytes).
 /// What it returns is consistent: index, planes' index and facts lie behind one another, within the file.

@@ -1,5 +1,5 @@
-// What a cloud file keeps beside its samples, and what must be true of it before anybody reads it: the planes of
-// version 2, or the rows of version 1. Pure functions; any thread.
+// What a cloud file keeps beside its samples, and what must be true of it before anybody reads it: the planes, or
+// in version 1 the rows. Pure functions; any thread.
 // Pipeline: cloud file → **checked index of planes** → cloud file's readers.
 #pragma once
 
@@ -24,7 +24,7 @@ struct BlockList {
     bool mayBeMissing = false;  ///< in some of the nodes that could have one
 };
 
-/// Version 2: one list for each of planesOf(facts). Version 1: one, of rows.
+/// One list for each of planesOf(facts). Version 1: one, of rows.
 std::vector<BlockList> listsBesideSamples(const CloudFacts& facts, std::uint32_t version);
 
 /// `places`: one for each node and list, node by node. All of them as wrongBlock() wants them, and none where

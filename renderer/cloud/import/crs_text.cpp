@@ -14,6 +14,25 @@ bool isCompound(const WktNode& node) {
     return node.keyword == "COMPD_CS" || node.keyword == "COMPOUNDCRS";
 }
 
+/// The grids that most scans are in; x and y of all of them are metres.
+std::string zoneName(int epsg) {
+    struct Zones {
+        int first, last, zone;
+        const char* name;
+        char side;
+    };
+    static constexpr Zones zones[] = {{32601, 32660, 1, "WGS 84 / UTM zone ", 'N'},
+                                      {32701, 32760, 1, "WGS 84 / UTM zone ", 'S'},
+                                      {25828, 25838, 28, "ETRS89 / UTM zone ", 'N'},
+                                      {26901, 26923, 1, "NAD83 / UTM zone ", 'N'},
+                                      {26701, 26722, 1, "NAD27 / UTM zone ", 'N'}};
+    for (const auto& [first, last, zone, name, side] : zones)
+        if (epsg >= first && epsg <= last) return name + std::to_string(zone + epsg - first) + side;
+    return {};
+}
+
+}  // namespace
+
 /// Files spell units in many ways; the factor is the same in all.
 std::string unitName(const WktNode& unit) {
     struct Known {
@@ -35,25 +54,6 @@ std::string unitName(const WktNode& unit) {
     std::replace(word.begin(), word.end(), '_', ' ');
     return word;
 }
-
-/// The grids that most scans are in; x and y of all of them are metres.
-std::string zoneName(int epsg) {
-    struct Zones {
-        int first, last, zone;
-        const char* name;
-        char side;
-    };
-    static constexpr Zones zones[] = {{32601, 32660, 1, "WGS 84 / UTM zone ", 'N'},
-                                      {32701, 32760, 1, "WGS 84 / UTM zone ", 'S'},
-                                      {25828, 25838, 28, "ETRS89 / UTM zone ", 'N'},
-                                      {26901, 26923, 1, "NAD83 / UTM zone ", 'N'},
-                                      {26701, 26722, 1, "NAD27 / UTM zone ", 'N'}};
-    for (const auto& [first, last, zone, name, side] : zones)
-        if (epsg >= first && epsg <= last) return name + std::to_string(zone + epsg - first) + side;
-    return {};
-}
-
-}  // namespace
 
 const WktNode* horizontalPart(const WktNode& root) {
     const auto* part = &root;

@@ -27,6 +27,8 @@ const WktNode* horizontalPart(const WktNode& root);
 std::optional<int> ownEpsg(const WktNode& node);
 /// The unit of a CRS's axes: its name, and the factor to metres or radians; nullptr = it gives none.
 const WktNode* unitOf(const WktNode& crs);
+/// What a unit is called: by its factor, where that is a common one, else by the file's own word.
+std::string unitName(const WktNode& unit);
 /// What EPSG calls a few common ones; empty = not one of them.
 std::string nameOfEpsg(int epsg);
 

@@ -15,14 +15,15 @@ namespace {
 static_assert(sizeof(Sample) == sizeof(SampleWords));
 static_assert(sizeof(SampleLimits) == sizeof(BlockLimits) && samplesPerLimits == limitsStep);
 
-/// False: the whole node lies inside a dropped region.
-bool setDropped(const Node& node, const SampleFilter& filter, PreparedRun& out) {
-    auto regions = droppedRegions(node, filter);
-    if (!regions) return false;
-    if (regions->empty()) return true;
-    out.dropped = std::make_shared<const std::vector<DroppedRegion>>(std::move(*regions));
-    out.run.dropped = out.dropped->data();
-    out.run.droppedCount = static_cast<std::int32_t>(out.dropped->size());
+/// False: shapes, or mirrors, leave nothing of the node.
+bool setRegions(const Node& node, const SampleFilter& filter, PreparedRun& out) {
+    auto crossing = runRegions(node, filter);
+    if (!crossing) return false;
+    if (crossing->regions.empty()) return true;
+    out.regions = std::make_shared<const std::vector<RunRegion>>(std::move(crossing->regions));
+    out.run.regions = out.regions->data();
+    out.run.droppedCount = crossing->dropped;
+    out.run.keptCount = crossing->kept;
     return true;
 }
 
@@ -175,7 +176,7 @@ std::optional<PreparedRun> prepareRun(const CutRun& cutRun, const LayerView& lay
     PreparedRun out;
     SplatRun& run = out.run;
     static_cast<RunNumbers&>(run) = *numbers;
-    if (!setDropped(node, filter, out)) return std::nullopt;
+    if (!setRegions(node, filter, out)) return std::nullopt;
     if (pass.ownRadii) setLargestRatio(cutRun, run);
     run.samples = reinterpret_cast<const SampleWords*>(cutRun.samples.data());
     run.count = static_cast<std::uint32_t>(cutRun.samples.size());

@@ -35,7 +35,7 @@ struct PassSize {
 
 struct PreparedRun {
     SplatRun run;
-    std::shared_ptr<const std::vector<DroppedRegion>> dropped;  ///< what `run` points to
+    std::shared_ptr<const std::vector<RunRegion>> regions;  ///< what `run` points to
     Rect bounds;  ///< no fragment of any jittered frame lies outside; clipped to the area drawn
     std::array<PassSize, mostSplatPasses> sizes;  ///< by pass
     float front = 0;                              ///< no fragment lies in front of this depth

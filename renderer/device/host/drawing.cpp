@@ -147,6 +147,7 @@ void tellCuts(std::span<const CutView> cuts, FrameStats& stats) {
         stats.samplesDrawn += view.cut.samples;
         stats.nodesVisited += view.cut.nodesVisited;
         stats.nodesCulled += view.cut.nodesCulled;
+        stats.nodesClipped += view.cut.nodesClipped;
         stats.nodesMissing += view.cut.nodesMissing;
         stats.samplesMissing += view.cut.samplesMissing;
         stats.away = stats.away || view.cut.away;

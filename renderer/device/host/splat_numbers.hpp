@@ -102,10 +102,10 @@ static_assert(placeStep * placeSteps == 1);
 /// What two paraboloids differ by is counted in the sum of their rises and in px; less than this is nothing.
 constexpr float leastRise = 1e-12f, leastSlope = 1e-6f;
 
-/// Where samples of a run are dropped: inside all planes, planes[i] · (x, y, z, 1) ≥ 0 of a sample's
-/// integers.
-struct DroppedRegion {
-    float planes[5][4] = {};
+/// A piece of space, where samples of a run are dropped, or where alone they are kept: inside all planes, planes[i] ·
+/// (x, y, z, 1) ≥ 0 of a sample's integers.
+struct RunRegion {
+    float planes[6][4] = {};
     std::int32_t count = 0;
 };
 

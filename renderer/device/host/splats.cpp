@@ -107,6 +107,37 @@ std::array<double, 2> valuesOf(const glm::dvec4& plane, const Node& node) {
     return {middle - reach, middle + reach};
 }
 
+/// Of a sample's integers. Planes across an axis part whole numbers, exactly where position() parts them: what lies on a
+/// level face is on one side of it, whatever single precision makes of it.
+void setRow(const glm::dvec4& plane, const Node& node, float (&row)[4]) {
+    for (int a = 0; a < 3; ++a) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        if (plane[b] != 0 || plane[c] != 0) continue;
+        const bool up = plane[a] > 0;
+        const double border = -plane.w / plane[a];
+        std::int32_t first = 0, last = 0;
+        clipAxis(node.boxMin[a], node.step[a], up ? border : -INFINITY, up ? INFINITY : border, first, last);
+        row[a] = up ? 1.0f : -1.0f;
+        row[b] = row[c] = 0;
+        row[3] = up ? 0.5f - static_cast<float>(first) : 0.5f + static_cast<float>(last);
+        return;
+    }
+    for (int a = 0; a < 3; ++a) row[a] = static_cast<float>(plane[a] * node.step[a]);
+    row[3] = static_cast<float>(glm::dot(glm::dvec3(plane), node.boxMin) + plane.w);
+}
+
+/// The planes of a region that cross the node: none where all of it lies inside. nullopt: nothing of it does.
+std::optional<RunRegion> crossingPlanes(const Region& region, const Node& node) {
+    RunRegion crossing;
+    for (int i = 0; i < region.count; ++i) {
+        const glm::dvec4& plane = region.planes[static_cast<std::size_t>(i)];
+        const auto [low, high] = valuesOf(plane, node);
+        if (high < 0) return std::nullopt;
+        if (low < 0) setRow(plane, node, crossing.planes[crossing.count++]);
+    }
+    return crossing;
+}
+
 void setColor(const CutRun& cutRun, const ColorRule& rule, RunNumbers& run) {
     if (rule.source == ColorSource::Flat) run.color = packed(rule.flat);
     if (rule.source == ColorSource::Lod) run.color = packed(rule.ramp[cutRun.node->level]);
@@ -204,25 +235,28 @@ std::optional<RunNumbers> runNumbers(const CutRun& cutRun, const LayerView& view
     return run;
 }
 
-std::optional<std::vector<DroppedRegion>> droppedRegions(const Node& node, const SampleFilter& filter) {
-    std::vector<DroppedRegion> regions;
-    for (const Region& region : filter.dropped) {
-        DroppedRegion crossing;
-        bool apart = false;
-        for (int i = 0; i < region.count; ++i) {
-            const glm::dvec4& plane = region.planes[static_cast<std::size_t>(i)];
-            const auto [low, high] = valuesOf(plane, node);
-            apart = apart || high < 0;
-            if (low >= 0) continue;
-            float* const row = crossing.planes[crossing.count++];
-            for (int a = 0; a < 3; ++a) row[a] = static_cast<float>(plane[a] * node.step[a]);
-            row[3] = static_cast<float>(glm::dot(glm::dvec3(plane), node.boxMin) + plane.w);
+std::optional<RunRegions> runRegions(const Node& node, const SampleFilter& filter) {
+    RunRegions out;
+    for (const auto* const dropped : {&filter.shapes.dropped, &filter.dropped}) {
+        for (const Region& region : *dropped) {
+            const auto crossing = crossingPlanes(region, node);
+            if (crossing && crossing->count == 0) return std::nullopt;
+            if (crossing) out.regions.push_back(*crossing);
         }
-        if (apart) continue;
-        if (crossing.count == 0) return std::nullopt;
-        regions.push_back(crossing);
     }
-    return regions;
+    out.dropped = static_cast<std::int32_t>(out.regions.size());
+    if (filter.shapes.kept.empty()) return out;
+    for (const Region& region : filter.shapes.kept) {
+        const auto crossing = crossingPlanes(region, node);
+        if (crossing && crossing->count == 0) {  // all of it is kept
+            out.regions.resize(static_cast<std::size_t>(out.dropped));
+            return out;
+        }
+        if (crossing) out.regions.push_back(*crossing);
+    }
+    out.kept = static_cast<std::int32_t>(out.regions.size()) - out.dropped;
+    if (out.kept == 0) return std::nullopt;
+    return out;
 }
 
 double spriteFactor(const RunNumbers& run, const SplatPass& pass, const Viewpoint& viewpoint) {

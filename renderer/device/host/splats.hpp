@@ -1,6 +1,6 @@
 // From splat passes and runs of a cut to their numbers: the host's arithmetic that devices share, so that it
 // cannot drift apart. Node → view → picture is composed in double, so that no large coordinate reaches a float
-// sum; clip box and dropped regions are in the integers of a run's samples. Pure functions; any thread.
+// sum; clip box and regions are in the integers of a run's samples. Pure functions; any thread.
 // Pipeline: passes, cut → **numbers** → device.
 #pragma once
 
@@ -38,8 +38,16 @@ SplatPass jittered(SplatPass pass, const LayerView& view, const glm::dvec2& jitt
 std::optional<RunNumbers> runNumbers(const CutRun& run, const LayerView& view, const ColorRule& color,
                                      const SampleFilter& filter);
 
-/// The dropped regions that cross the node; nullopt: one holds all of it.
-std::optional<std::vector<DroppedRegion>> droppedRegions(const Node& node, const SampleFilter& filter);
+/// Those that cross a node, with the planes that do: a sample is drawn if it lies in none of those in which samples are
+/// dropped, which come first, and in one at least of the others, where there are any.
+struct RunRegions {
+    std::vector<RunRegion> regions;
+    std::int32_t dropped = 0, kept = 0;
+};
+
+/// What is to be asked of each sample of a node, by shapes and mirrors: nothing of nodes that none of their faces crosses.
+/// nullopt: nothing of it is drawn.
+std::optional<RunRegions> runRegions(const Node& node, const SampleFilter& filter);
 
 /// p = clamp(factor · ratio (/ d in perspective), minPx, maxPx) of the run's sprites.
 double spriteFactor(const RunNumbers& run, const SplatPass& pass, const Viewpoint& viewpoint);

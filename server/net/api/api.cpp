@@ -13,6 +13,7 @@
 #include "protocol/json_text.hpp"
 #include "protocol/pick_request.hpp"
 #include "server/catalog/describe.hpp"
+#include "server/catalog/describe_point.hpp"
 #include "server/net/api/mjpeg_request.hpp"
 #include "server/net/api/negotiate.hpp"
 #include "server/net/api/picture_request.hpp"
@@ -112,7 +113,8 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
       admission_(options_.rates, options_.costs, options_.memory),
       pictures_(scheduler),
       picker_(pictures_, scheduler, options_.version),
-      photos_(admission_, options_.memory) {}
+      photos_(admission_, options_.memory),
+      measurer_(admission_, options_.memory, options_.maxPixels) {}
 
 /// What routes answer, where that is more than a line. Lives as long as Api::answer(): what is answered later keeps
 /// copies.
@@ -379,6 +381,12 @@ struct Api::Answers {
         respond(std::move(response));
     }
 
+    void measure(Respond respond) const {
+        const auto cloud = clouds_.cloud(routed.id);
+        if (!cloud) return respond(refusal(cloud.error(), routed));
+        api.measurer_.answer(request, routed, *cloud, std::move(respond), gone);
+    }
+
     void pick(Respond respond) const {
         const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
         auto cloud = clouds_.cloud(routed.id);
@@ -455,6 +463,8 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
             return answers.snapshot(std::move(respond));
         case Route::Pick:
             return answers.pick(std::move(respond));
+        case Route::Measure:
+            return answers.measure(std::move(respond));
         case Route::GuestLinks:
             return respond(answers.guestLink());
         case Route::GuestSession:

@@ -16,6 +16,7 @@
 #include "server/catalog/kept_clouds.hpp"
 #include "server/net/access.hpp"
 #include "server/net/api/http_message.hpp"
+#include "server/net/api/measurer.hpp"
 #include "server/net/api/photo_answers.hpp"
 #include "server/net/api/picker.hpp"
 #include "server/net/api/router.hpp"
@@ -84,6 +85,7 @@ class Api {
     void stop() {
         picker_.stop();
         photos_.stop();
+        measurer_.stop();
     }
 
   private:
@@ -107,6 +109,7 @@ class Api {
     std::atomic<bool> leaving_{false};
     Picker picker_;
     PhotoAnswers photos_;
+    Measurer measurer_;
 };
 
 }  // namespace scancast

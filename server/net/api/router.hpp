@@ -30,6 +30,7 @@ enum class Route : std::uint8_t {
     SnapshotPng,
     Snapshot,
     Pick,
+    Measure,
     StreamMjpeg,
     Stream,
     Sessions,
@@ -75,6 +76,7 @@ inline constexpr std::array routes{
     // Accept chooses the format.
     RouteInfo{Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST", Need::Guest, false},
     RouteInfo{Route::Pick, "/api/v1/clouds/{id}/pick", "POST", Need::Guest, true},
+    RouteInfo{Route::Measure, "/api/v1/clouds/{id}/measure", "POST", Need::Guest, true},
     RouteInfo{Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Stream, "/api/v1/stream", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Sessions, "/api/v1/sessions", "GET, HEAD", Need::Admin, true},

@@ -42,7 +42,7 @@ function makeCloud(id, title, halfHeight, attributes) {
     view: {
       camera: { type: 'perspective', eye: [14, -22, 12], target: [0, 0, 0], up: [0, 0, 1], fov: 60, near: null, far: null },
       width: 1280, height: 720, method: 'paraboloid', param: {}, color: 'auto', colormap: 'viridis', range: null,
-      classes: null, clip: null, shading: null, mirrors: true, behindMirrors: false, background: ['#3a424e', '#16191e'], detail: null, budget: null, samples: null,
+      classes: null, clip: null, clips: null, shading: null, mirrors: true, behindMirrors: false, background: ['#3a424e', '#16191e'], detail: null, budget: null, samples: null,
       quality: 90, subsampling: '4:2:0',
     },
   };
@@ -302,6 +302,20 @@ export class FakeServer {
     return reply(401, 'application/problem+json', JSON.stringify(problem(401, 'Unauthorized', "The guest's time is over.")));
   }
 
+  /** Of its points, the one that is nearest to the pixel; null where none is within 40 of it. */
+  async #pick(pathname, request, json) {
+    let body = '';
+    for await (const part of request) body += part;
+    const { view, x, y } = JSON.parse(body);
+    this.received.push({ type: 'pick', x, y });
+    const cloud = this.clouds.find(({ id }) => pathname.endsWith(`/clouds/${id}/pick`));
+    const camera = fromProtocol(view.camera);
+    const places = pointsOf[cloud.id].map((point) => ({ point, at: project(camera, point, view) })).filter(({ at }) => at)
+      .map(({ point, at }) => ({ point, depth: at.depth, off: Math.hypot(at.x - x, at.y - y) })).sort((a, b) => a.off - b.off);
+    const [found] = places;
+    json(found.off > 40 ? null : { position: found.point, precision: [0.001, 0.001, 0.001], depth: found.depth, distance: 0, rgb: [200, 150, 100] });
+  }
+
   /** After a while, unless nobody waits for it any more. */
   #snapshot(words, response, reply) {
     this.#snapshots += 1;
@@ -356,6 +370,7 @@ export class FakeServer {
       const cloud = this.clouds.find(({ id }) => pathname.endsWith(`/clouds/${id}/views`));
       return json({ views: (cloud?.look?.views ?? []).map(({ name, inside, camera }) => ({ name, inside, view: { ...cloud.view, camera } })) });
     }
+    if (pathname.endsWith('/pick')) return this.#pick(pathname, request, json);
     if (pathname.endsWith('/stations')) return json({ stations: this.stations });
     const photo = /^(.*\/photos)(?:\/(\d+))?$/.exec(pathname);
     if (photo && photo[2] === undefined) {

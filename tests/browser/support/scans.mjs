@@ -78,6 +78,35 @@ function yard(count) {
   });
 }
 
+/** Where the court lies: a survey's coordinates. */
+export const courtOrigin = [400_000, 1_500_000, 40];
+export const courtSpacing = 0.1;
+
+/**
+ * A court of 20 × 20 whose points are a grid of 0.1, with a red spot of radius 0.5 round (6, 6), and a wall of 12 × 6 along y = 12,
+ * from x = 4 to 16: lengths between its points are known.
+ */
+function court() {
+  const points = [];
+  const add = (x, y, z, ...color) => points.push([x + courtOrigin[0], y + courtOrigin[1], z + courtOrigin[2], ...color]);
+  for (let j = 0; j <= 200; ++j) {
+    for (let i = 0; i <= 200; ++i) {
+      const [x, y] = [i * courtSpacing, j * courtSpacing];
+      if (Math.hypot(x - 6, y - 6) < 0.55) add(x, y, 0, 230, 20, 20);
+      else add(x, y, 0, 90, 120 + 8 * ((i + j) % 3), 90);
+      if (j <= 60 && i >= 40 && i <= 160) add(x, 12, y, 200, 190, 170);
+    }
+  }
+  return points;
+}
+
+export function writeCourt() {
+  const folder = mkdtempSync(join(tmpdir(), 'scancast-court-'));
+  const file = join(folder, 'court.las');
+  writeFileSync(file, lasBytes(court()));
+  return { file, folder, remove: () => rmSync(folder, { recursive: true, force: true }) };
+}
+
 /** The yard in a folder of its own. */
 export function writeYard() {
   const folder = mkdtempSync(join(tmpdir(), 'scancast-yard-'));

@@ -40,6 +40,7 @@ TEST_F(ErrorPagesTest, BrowsersGetPagesAndProgramsGetProblems) {
         {"GET", "/", {"Origin: http://evil.example"}, 403},
         {"PUT", "/api/v1/clouds", {}, 405},
         {"GET", "/api/v1/clouds/one/pick", {}, 405},
+        {"GET", "/api/v1/clouds/one/measure", {}, 405},
         {"GET", "/api/v1/stream", {}, 426},
         {"GET", "/" + std::string(9000, 'a'), {}, 414},
         {"GET", "/", {"Transfer-Encoding: gzip"}, 400},

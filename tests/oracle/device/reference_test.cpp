@@ -128,6 +128,12 @@ TEST_P(Reference, ColoursAndFilters) {
     for (std::size_t i = 0; i < 256; ++i)
         rule.ramp[i] = {std::uint8_t(i), std::uint8_t(3 * i), std::uint8_t(255 - i)};
     scene.drawing.view().filter.clip = ClipBox{{-1.5, -1.7, -1.9}, {1.8, 1.1, 1.2}};
+    scene.drawing.view().filter.shapes =
+        clipRegions(ClipShapes{TurnedBox{{0, 0, 0}, {2, 3, 4}, {30, -20, 10}},
+                               TurnedBox{{0, 0, 1}, {5, 1, 2}, {-15, 0, 0}},
+                               TurnedBox{{1.2, -1.2, 0.4}, {0.8, 0.9, 1}, {45, 0, 0}, true},
+                               HalfSpace{{-1, 0, 0}, {1, 0.2, 0.1}}},
+                    {});
     scene.drawing.view().filter.classes.emplace().fill(true);
     for (const std::size_t c : {2u, 5u, 29u}) (*scene.drawing.view().filter.classes)[c] = false;
     using enum ColorSource;

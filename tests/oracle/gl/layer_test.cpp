@@ -400,6 +400,14 @@ TEST_P(GlLayerDrawing, ClassesClipBoxAndDroppedRegions) {
         slab.count = 2;
         d.view().filter.dropped = {wedge, slab};
     });
+    check({sprites, cells}, [](OwnDrawing& d) {
+        d.view().filter.shapes =
+            clipRegions(ClipShapes{TurnedBox{{0, 0, 0}, {1.5, 2, 1}, {30, 20, 10}},
+                                   TurnedBox{{0.3, 0.5, 0}, {1, 1, 2}, {70, 0, 0}},
+                                   TurnedBox{{0.1, 0.2, 0.1}, {0.4, 0.5, 0.6}, {15, 0, 0}, true},
+                                   HalfSpace{{0, 0, 0.7}, {0, 0, -1}}},
+                        {});
+    });
 }
 
 TEST_P(GlLayerDrawing, OutliersWhereAskedFor) {

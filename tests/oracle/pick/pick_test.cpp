@@ -87,7 +87,7 @@ TEST(Pick, FindsAPointOfThatPixelAndDepth) {
         const int count = overSurface(frame, [&](int x, int y, double depth) {
             const auto picked = pick(*cloud, view, {x, y}, depth);
             ASSERT_TRUE(picked && *picked);
-            const glm::dvec3 relative = (*picked)->position - cloud->origin;
+            const glm::dvec3 relative = (*picked)->point.position - cloud->origin;
             const glm::dvec3 seen =
                 viewpoint->project(glm::dvec3(viewpoint->cloudToView * glm::dvec4(relative, 1)));
             const double pixel = 1 / viewpoint->q(depth);
@@ -139,25 +139,51 @@ TEST(Pick, IsTheNearestThatTheViewDrawsByBruteForce) {
     EXPECT_GT(count, 20);
 }
 
-// The scan's coordinates are whole centimetres, and stay that to the last digit that is printed.
+// Right because it looks at all points, by the definition of shapes: what is cut away is not picked, though it may be
+// nearer.
+TEST(Pick, NothingThatShapesCutAway) {
+    const auto cloud = town(20000);
+    View view = viewOf(*cloud);
+    const glm::dvec3 middle = (cloud->bounds[0] + cloud->bounds[1]) * 0.5;
+    view.style.clips = {TurnedBox{middle, {150, 90, 60}, {35, 0, 0}},
+                        TurnedBox{middle, {30, 30, 60}, {10, 0, 0}, true},
+                        HalfSpace{middle - glm::dvec3(40, 0, 0), {1, 0.2, 0}}};
+    const Frame whole = drawn(*cloud, viewOf(*cloud));
+    const auto allowed = [&](const glm::dvec3& p, const Sample&) {
+        return contains(view.style.clips, p + cloud->origin);
+    };
+    int taken = 0;
+    const int count = overSurface(whole, [&](int x, int y, double depth) {
+        const auto picked = pick(*cloud, view, {x, y}, depth);
+        ASSERT_TRUE(picked && *picked);
+        EXPECT_TRUE(contains(view.style.clips, (*picked)->position));
+        const glm::dvec3 place = *placeUnder(*cloud, view, {x, y}, depth);
+        EXPECT_EQ((*picked)->distance, nearestByHand(*cloud, place, allowed));
+        taken += (*picked)->distance > 1;
+    });
+    EXPECT_GT(count, 20);
+    EXPECT_GT(taken, 10) << "of the picture without shapes, much has nothing left at its place";
+    view.style.clips = {TurnedBox{middle + glm::dvec3(0, 0, 1000), {1, 1, 1}}};
+    EXPECT_FALSE(pick(*cloud, view, {160, 100}, 100).value()) << "nothing is left at all";
+}
+
+// Bit for bit what a reader of the scan has: origin + step * whole number.
 TEST(Pick, TellsTheFilesOwnCoordinates) {
     const auto cloud = town(5000);
-    std::set<std::tuple<long long, long long, long long>> scan;
+    std::set<std::tuple<double, double, double>> scan;
     for (std::uint64_t i = 0; i < 5000; ++i) {
-        const glm::dvec3 p = (ground(i, 5000).position + corner) * 100.0;
-        scan.emplace(std::llround(p.x), std::llround(p.y), std::llround(p.z));
+        const glm::dvec3 p = (ground(i, 5000).position + corner);
+        const auto onGrid = [](double value) { return 0.01 * std::nearbyint(value / 0.01); };
+        scan.emplace(onGrid(p.x), onGrid(p.y), onGrid(p.z));
     }
     const View view = viewOf(*cloud);
     const int count = overSurface(drawn(*cloud, view), [&](int x, int y, double depth) {
         const auto picked = pick(*cloud, view, {x, y}, depth);
         ASSERT_TRUE(picked && *picked);
-        const glm::dvec3 p = (*picked)->position;
-        EXPECT_TRUE(
-            scan.contains({std::llround(p.x * 100), std::llround(p.y * 100), std::llround(p.z * 100)}));
-        for (int axis = 0; axis < 3; ++axis) {
-            EXPECT_EQ(p[axis], std::round(p[axis] * 100) / 100) << "389412.12, not 389412.12000000005";
-            EXPECT_LE((*picked)->precision[axis], 0.01 + 1e-12);
-        }
+        const KeptPoint& point = (*picked)->point;
+        EXPECT_TRUE(scan.contains({point.position.x, point.position.y, point.position.z}));
+        EXPECT_TRUE(point.exact);
+        EXPECT_EQ(point.precision, glm::dvec3(0.01));
     });
     EXPECT_GT(count, 30);
 }

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <glm/vector_relational.hpp>
 #include <set>
 
 #include "renderer/select/select.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/pictures/random_shapes.hpp"
 #include "tests/support/pictures/random_views.hpp"
 
 namespace scancast {
@@ -89,6 +91,47 @@ TEST_P(Cuts, CulledShowTheSameAsNotCulled) {
     }
     EXPECT_GT(visible, 0u);
     EXPECT_GT(culledNodes, 100u);
+}
+
+// Right because it asks of every sample of the unclipped cut whether it lies in what is left, by the definition of shapes:
+// nothing that does may be missing, and what crosses nothing must not be there.
+TEST_P(Cuts, ClippedLackNothingThatIsLeft) {
+    std::uint64_t clipped = 0, visible = 0;
+    const glm::dvec3 extent = cloud_->bounds[1] - cloud_->bounds[0];
+    for (std::uint64_t v = 0; v < views; ++v) {
+        const Viewpoint viewpoint = test::randomViewpoint(*cloud_, v);
+        const ClipShapes shapes =
+            test::randomShapes(v, (cloud_->bounds[0] + cloud_->bounds[1]) * 0.5, 0.5 * extent.x);
+        SelectOptions options;
+        options.detail = 1 + double(v % 5);
+        const Cut full = select(cloud_->octree, viewpoint, options);
+        options.shapes = clipRegions(shapes, cloud_->origin);
+        if (v % 4 == 0)
+            options.clip = ClipBox{cloud_->bounds[0] - cloud_->origin + extent * 0.2,
+                                   cloud_->bounds[1] - cloud_->origin};
+        const Cut cut = select(cloud_->octree, viewpoint, options);
+        std::set<std::uint32_t> kept;
+        for (const CutRun& run : cut.runs) kept.insert(run.nodeIndex);
+        EXPECT_GE(cut.nodesCulled, cut.nodesClipped);
+        clipped += cut.nodesClipped;
+        visible += cut.runs.size();
+        for (const CutRun& run : full.runs) {
+            if (kept.contains(run.nodeIndex)) continue;
+            for (const Sample& s : test::samples(cloud_->octree, *run.node)) {
+                const glm::dvec3 p = position(*run.node, s);
+                const bool inBox = !options.clip || (glm::all(glm::greaterThanEqual(p, options.clip->min)) &&
+                                                     glm::all(glm::lessThanEqual(p, options.clip->max)));
+                ASSERT_FALSE(inBox && contains(shapes, p + cloud_->origin))
+                    << "view " << v << ", node " << run.nodeIndex;
+            }
+        }
+        for (const CutRun& run : cut.runs)
+            ASSERT_NE(
+                options.shapes.overlap(run.node->boxMin - run.node->step, run.node->boxMax + run.node->step),
+                Overlap::None);
+    }
+    EXPECT_GT(clipped, 100u);
+    EXPECT_GT(visible, 100u);
 }
 
 // Right by definition: full detail is all leaves, whatever the view, and so is brute force.

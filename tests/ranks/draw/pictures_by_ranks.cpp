@@ -124,6 +124,10 @@ void filtered(Comparison& comparison, const View& first) {
     View bare = plain;
     bare.style.mirrors = false;
     comparison.compareOther(view, bare, "clipped");
+    view.style.clip.reset();
+    view.style.clips = {TurnedBox{first.camera.target, {1e4, 20, 1e4}, {30, 0, 0}},
+                        TurnedBox{first.camera.target, {4, 4, 4}, {0, 20, 0}, true}};
+    comparison.compareOther(view, bare, "cut by shapes");
     view = plain;
     view.style.color = ColorSource::Rgb;
     view.style.byIntensity = true;

@@ -67,6 +67,7 @@ int everythingTravels() {
     filter.dropped.resize(2);
     filter.dropped[1].count = 3;
     filter.dropped[1].planes[2] = {1, 2, 3, 4};
+    filter.shapes = clipRegions(ClipShapes{TurnedBox{}, HalfSpace{{1, 2, 3}, {0, 0, 1}}}, {});
     cuts[1].glass.emplace().margin = 9;
     cuts[1].cut.samples = 55;
     cuts[1].cut.beside = true;
@@ -109,6 +110,9 @@ int everythingTravels() {
         {"outliers", f.outliers && !d.cuts[0].filter.outliers && d.sun != nullptr && d.sun->filter.outliers},
         {"regions", f.dropped.size() == 2 && f.dropped[1].count == 3 &&
                         f.dropped[1].planes[2] == filter.dropped[1].planes[2]},
+        {"shapes", f.shapes.kept.size() == 1 && f.shapes.dropped.size() == 1 && f.shapes.kept[0].count == 6 &&
+                       f.shapes.dropped[0].planes == filter.shapes.dropped[0].planes &&
+                       d.cuts[0].filter.shapes.empty()},
         {"glass", d.cuts[1].glass && d.cuts[1].glass->margin == 9 && !d.cuts[0].glass},
         {"cut", d.cuts[1].cut.samples == 55 && d.cuts[1].cut.beside && !d.cuts[0].cut.beside},
         {"runs", r.nodeIndex == 7 && r.firstOrdinal == 21 && r.share == 0.25},

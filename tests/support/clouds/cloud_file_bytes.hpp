@@ -8,6 +8,7 @@
 #include <functional>
 #include <iterator>
 
+#include "files/random_reader.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/blocks/row_columns.hpp"
@@ -15,7 +16,7 @@
 #include "renderer/cloud/file/cloud_file_writer.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
-#include "files/random_reader.hpp"
+#include "renderer/cloud/file/packed_index.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 
@@ -115,34 +116,18 @@ inline std::vector<BlockPlace> planePlaces(const CloudFile& file) {
     return places;
 }
 
-/// The indices as they stand in a file.
-inline std::vector<std::byte> nodeRecords(std::span<const StoredNode> nodes) {
-    std::vector<std::byte> records(nodes.size() * nodeRecordBytes);
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-        encodeNode(nodes[i], std::span(records).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
-    return records;
-}
-
-inline std::vector<std::byte> planeRecords(std::span<const BlockPlace> places) {
-    std::vector<std::byte> records(places.size() * planeRecordBytes);
-    for (std::size_t i = 0; i < places.size(); ++i)
-        encodePlane(places[i], std::span(records).subspan(i * planeRecordBytes).first<planeRecordBytes>());
-    return records;
-}
-
 /// A file of blocks and of what is said of them, whose lengths and checksums are right. `blocks` begins with room
-/// for the header.
-inline std::vector<std::byte> assembled(std::span<const std::byte> blocks, std::span<const std::byte> nodes,
-                                        std::span<const std::byte> planes, std::span<const std::byte> facts) {
+/// for the header; indices as they are stored.
+inline std::vector<std::byte> assembled(std::span<const std::byte> blocks, CloudFileHeader header,
+                                        std::span<const std::byte> index, std::span<const std::byte> planes,
+                                        std::span<const std::byte> facts) {
     std::vector<std::byte> out(blocks.begin(), blocks.end());
-    CloudFileHeader header;
-    header.nodes = std::uint32_t(nodes.size() / nodeRecordBytes);
     const auto append = [&](std::span<const std::byte> bytes) {
         const FilePart part{.offset = out.size(), .bytes = bytes.size(), .checksum = checksumOf(bytes)};
         out.insert(out.end(), bytes.begin(), bytes.end());
         return part;
     };
-    header.index = append(nodes);
+    header.index = append(index);
     header.planes = append(planes);
     header.facts = append(facts);
     header.fileBytes = out.size();
@@ -151,19 +136,35 @@ inline std::vector<std::byte> assembled(std::span<const std::byte> blocks, std::
     return out;
 }
 
+/// The same of residuals, which are packed.
+inline std::vector<std::byte> packedFile(std::span<const std::byte> blocks, std::span<const std::byte> nodes,
+                                         std::span<const std::byte> planes,
+                                         std::span<const std::byte> facts) {
+    CloudFileHeader header;
+    header.nodes = std::uint32_t(nodes.size() / nodeRecordBytes);
+    return assembled(blocks, header, packRecords(nodes, packedNodes), packRecords(planes, packedPlaces),
+                     facts);
+}
+
+/// What there is to lie about in a file.
+inline FileParts partsOf(std::span<const std::byte> file) {
+    const auto opened = openBytes(file).value();
+    return {.nodes = {opened->nodes().begin(), opened->nodes().end()},
+            .planes = planePlaces(*opened),
+            .facts = opened->facts(),
+            .photos = {opened->photoPlaces().begin(), opened->photoPlaces().end()}};
+}
+
 /// The same file with other nodes, planes and facts: everything is consistent but what the change made wrong.
 inline std::vector<std::byte> forged(std::span<const std::byte> file,
                                      const std::function<void(FileParts&)>& change) {
     const CloudFileHeader header = parseHeader(file.first(cloudHeaderBytes), file.size()).value();
-    const auto original = openBytes(file).value();
-    FileParts parts{.nodes = {original->nodes().begin(), original->nodes().end()},
-                    .planes = planePlaces(*original),
-                    .facts = original->facts(),
-                    .photos = {original->photoPlaces().begin(), original->photoPlaces().end()}};
+    FileParts parts = partsOf(file);
     change(parts);
     const std::string json = printFacts(parts.facts, "forger", parts.photos).value();
-    return assembled(file.first(header.index.offset), nodeRecords(parts.nodes), planeRecords(parts.planes),
-                     std::as_bytes(std::span(json)));
+    return packedFile(file.first(header.index.offset), residualsOf(parts.nodes),
+                      residualsOf(parts.planes, parts.nodes, planesOf(parts.facts).size()),
+                      std::as_bytes(std::span(json)));
 }
 
 }  // namespace scancast::test

@@ -1,4 +1,4 @@
-// Cloud files of version 1, which nothing writes any more: made of the parts of a version 2 file, as CLOUD_FILE.md
+// Cloud files of version 1, which nothing writes any more: made of the parts of a newer one, as CLOUD_FILE.md
 // ("Version 1") has them.
 #pragma once
 
@@ -19,11 +19,9 @@ namespace scancast::test {
 
 /// A header of version 1: without an index of planes, facts right behind the index.
 inline std::array<std::byte, cloudHeaderBytes> versionOneHeader(CloudFileHeader header) {
+    header.version = 1;
     header.planes = {};
-    auto bytes = encodeHeader(header);
-    storeLe(&bytes[8], std::uint32_t(1));
-    storeLe(&bytes[120], checksumOf(std::span(bytes).first(120)));
-    return bytes;
+    return encodeHeader(header);
 }
 
 /// A node's record: no confidence, but where its rows are.

@@ -76,6 +76,7 @@ Rgb8 colorOf(const ColorRule& rule, const Node& node, const Sample& s, BesideWor
 
 bool wanted(const SampleFilter& filter, const Sample& s, const glm::dvec3& p) {
     if (filter.classes && !(*filter.classes)[s.classification]) return false;
+    if (!filter.shapes.contains(p)) return false;
     if (!filter.clip) return true;
     for (int a = 0; a < 3; ++a) {
         if (p[a] < filter.clip->min[a] || p[a] > filter.clip->max[a]) return false;

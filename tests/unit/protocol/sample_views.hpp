@@ -26,6 +26,8 @@ inline View richView() {
     view.style.range = {-1.5, 20};
     view.style.classes = {{2, 6, 255}};
     view.style.clip = ClipBox{{0, 1, 2}, {3, 4, 5}};
+    view.style.clips = {TurnedBox{{444120.5, 5411990, 0.1}, {1.0 / 3.0, 2, 3}, {12.5, -3, 180}, true},
+                        HalfSpace{{444120, 5411990, 2}, {0.5, 0, -0.1}}, TurnedBox{{1, 2, 3}, {4, 5, 6}}};
     view.style.shading = Shading::Phong;
     view.style.light = {.ambient = 0.25,
                         .headlight = 0.125,

@@ -47,7 +47,7 @@ TEST(ViewJson, CanonicalTextIsFixed) {
         printJson(toJson(View{})),
         R"({"background":["#3a424e","#16191e"],"behindMirrors":false,"budget":null,"camera":{"eye":[0.0,-1.0,0.0],"far":null,)"
         R"("fov":60.0,"near":null,"target":[0.0,0.0,0.0],"type":"perspective","up":[0.0,0.0,1.0]},)"
-        R"("classes":null,"clip":null,"color":"auto","colormap":"viridis","detail":null,"exposure":null,"height":720,)"
+        R"("classes":null,"clip":null,"clips":null,"color":"auto","colormap":"viridis","detail":null,"exposure":null,"height":720,)"
         R"("light":{"ambient":0.5,"headlight":0.5,"occlusion":null,"shadow":0.0,"shine":0.08,"sun":null,"sunlight":0.5},)"
         R"("method":"auto","mirrors":true,"outliers":"hide","param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
         R"("subsampling":"4:2:0","width":1280})")
@@ -74,13 +74,14 @@ TEST(ViewJson, SubsetsKeepTheRest) {
 
 TEST(ViewJson, NullRestoresTheAutomaticValue) {
     const auto view = applied(test::richView(), R"({"camera": {"near": null, "far": null}, "range": null,
-        "classes": null, "clip": null, "exposure": null, "shading": null, "light": {"sun": null}, "background": null, "detail": null, "budget": null,
+        "classes": null, "clip": null, "clips": null, "exposure": null, "shading": null, "light": {"sun": null}, "background": null, "detail": null, "budget": null,
         "samples": null})");
     EXPECT_EQ(view.camera.near, std::nullopt);
     EXPECT_EQ(view.camera.far, std::nullopt);
     EXPECT_EQ(view.style.range, std::nullopt);
     EXPECT_EQ(view.style.classes, std::nullopt);
     EXPECT_EQ(view.style.clip, std::nullopt);
+    EXPECT_TRUE(view.style.clips.empty());
     EXPECT_EQ(view.style.exposure, std::nullopt);
     EXPECT_EQ(view.style.shading, std::nullopt);
     EXPECT_EQ(view.style.light.sun, std::nullopt);
@@ -161,6 +162,21 @@ TEST(ViewJson, WrongTypesAndValuesNameTheirPath) {
         {R"({"classes": [1.5]})", "classes"},
         {R"({"clip": {"min": [0,0,0]}})", "clip.max"},
         {R"({"clip": [0,0,0,1,1,1]})", "clip"},
+        {R"({"clips": {}})", "clips"},
+        {R"({"clips": "box:0,0,0,1,1,1"})", "clips"},
+        {R"({"clips": [1]})", "clips[0]"},
+        {R"({"clips": [{}]})", "clips[0].box"},
+        {R"({"clips": [{"box": {"center": [0,0,0]}}]})", "clips[0].box.size"},
+        {R"({"clips": [{"box": {"center": [0,0,0], "size": [1,1,1], "turn": 30}}]})", "clips[0].box.turn"},
+        {R"({"clips": [{"box": {"center": [0,0,0], "size": [1,0,1]}}]})", "clips"},
+        {R"({"clips": [{"box": {"center": [0,0,0], "size": [1,1,1]}, "keep": "some"}]})", "clips[0].keep"},
+        {R"({"clips": [{"box": {"center": [0,0,0], "size": [1,1,1], "yaw": 3}}]})", "clips[0].box.yaw"},
+        {R"({"clips": [{"plane": {"point": [0,0,0], "normal": [0,0,1]}}, {"plane": {"point": [0,0,0]}}]})",
+         "clips[1].plane.normal"},
+        {R"({"clips": [{"plane": {"point": [0,0,0], "normal": [0,0,1]}, "keep": "inside"}]})",
+         "clips[0].keep"},
+        {R"({"clips": [{"plane": {"point": [0,0,0], "normal": [0,0,0]}}]})", "clips"},
+        {R"({"clips": [{"plane": {}, "box": {}}]})", "clips[0].plane"},
         {R"({"shading": "gouraud"})", "shading"},
         {R"({"light": 1})", "light"},
         {R"({"light": null})", "light"},
@@ -204,7 +220,7 @@ TEST(ViewJson, NotANumberIsNoView) {
 
 TEST(ViewJson, HugeArraysAreRefusedWithoutBeingCopied) {
     const json huge(1'000'000, 1);
-    for (const auto* field : {"classes", "range", "background", "param", "clip"})
+    for (const auto* field : {"classes", "range", "background", "param", "clip", "clips"})
         EXPECT_FALSE(applyJson(View{}, json{{field, huge}})) << field;
     EXPECT_FALSE(applyJson(View{}, json{{"camera", {{"eye", huge}}}}));
     EXPECT_FALSE(applyJson(View{}, json{{"camera", {{"viewMatrix", huge}}}}));

@@ -75,6 +75,23 @@ TEST(View, EachWrongValueIsRefusedByItsWord) {
          [](View& v) {
              v.style.clip = ClipBox{{0, 0, 0}, {1, nan, 1}};
          }},
+        {impossible, "clips",
+         [](View& v) {
+             v.style.clips = {TurnedBox{{0, nan, 0}, {1, 1, 1}}};
+         }},
+        {impossible, "clips",
+         [](View& v) {
+             v.style.clips = {HalfSpace{{0, 0, 0}, {0, 0, nan}}};
+         }},
+        {invalid, "clips",
+         [](View& v) {
+             v.style.clips = {HalfSpace{}, TurnedBox{{0, 0, 0}, {1, -1, 1}}};
+         }},
+        {invalid, "clips",
+         [](View& v) {
+             v.style.clips = {TurnedBox{{0, 0, 0}, {1, 1, 1}, {0, 361, 0}}};
+         }},
+        {invalid, "clips", [](View& v) { v.style.clips.assign(mostClipShapes + 1, HalfSpace{}); }},
         {invalid, "detail", [](View& v) { v.quality.detail = -0.1; }},
         {invalid, "detail", [](View& v) { v.quality.detail = nan; }},
         {invalid, "budget", [](View& v) { v.quality.budget = 0; }},

@@ -106,6 +106,7 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
                                 {"range", "-1,1e3"},
                                 {"classes", "6,2"},
                                 {"clip", "0,0,0,1,2,3"},
+                                {"clips", "-box:1,2,3,4,5,6,30;plane:0,0,1,0,0,-2"},
                                 {"shading", "phong"},
                                 {"light.ambient", "0.25"},
                                 {"light.headlight", "1"},
@@ -128,7 +129,9 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
         "up": [0,1,0], "fov": 45, "near": 0.5, "far": null}, "width": 640, "height": 480, "method": "cone",
         "param": {"sizePx": 5, "smooth": true, "footprint": "square"}, "color": "#ff8800*intensity",
         "exposure": -0.5, "colormap": "grey",
-        "range": [-1, 1e3], "classes": [2, 6], "clip": {"min": [0,0,0], "max": [1,2,3]}, "shading": "phong",
+        "range": [-1, 1e3], "classes": [2, 6], "clip": {"min": [0,0,0], "max": [1,2,3]},
+        "clips": [{"box": {"center": [1,2,3], "size": [4,5,6], "turn": [30,0,0]}, "keep": "outside"},
+                  {"plane": {"point": [0,0,1], "normal": [0,0,-2]}}], "shading": "phong",
         "light": {"ambient": 0.25, "headlight": 1, "sun": [-45, 30.5], "sunlight": 0.75, "shine": 0, "occlusion": 0.5, "shadow": 1},
         "mirrors": false, "behindMirrors": true, "outliers": "show",
         "background": ["#010203", "#040506"], "detail": 2, "budget": 1000, "samples": 8, "quality": 50,
@@ -177,6 +180,7 @@ TEST(ViewWords, AutoClears) {
                                {"range", "auto"},
                                {"classes", "auto"},
                                {"clip", "auto"},
+                               {"clips", "auto"},
                                {"exposure", "auto"},
                                {"shading", "auto"},
                                {"light.sun", "auto"},
@@ -185,8 +189,8 @@ TEST(ViewWords, AutoClears) {
                                {"samples", "auto"}},
                               test::richView());
     EXPECT_FALSE(view.camera.near || view.camera.far || view.style.range || view.style.classes ||
-                 view.style.clip || view.style.exposure || view.style.shading || view.style.light.sun ||
-                 view.quality.detail || view.quality.budget || view.quality.samples);
+                 view.style.clip || !view.style.clips.empty() || view.style.exposure || view.style.shading ||
+                 view.style.light.sun || view.quality.detail || view.quality.budget || view.quality.samples);
     EXPECT_EQ(applied({{"classes", "none"}}).style.classes, std::vector<std::uint8_t>{});
 }
 

@@ -49,6 +49,8 @@ class LasReader {
     /// Once all of those are there.
     void understand();
     const ScanHeader& header() const { return scan_; }
+    /// All that its records hold besides the sample, whatever is kept: colours of 16 bits, too. Once understood.
+    std::vector<LasColumn> allColumns() const { return lasColumns(las_, vlrs_.extraBytes, true); }
     /// As in PointSource; once understood.
     std::vector<std::string> notes() const;
 

@@ -45,11 +45,13 @@ struct SplatRun : RunNumbers {
     std::uint32_t count = 0;
     /// p = clamp(sizeFactor · ratio (/ d in perspective), minPx, maxPx).
     float sizeFactor = 0;
-    float largestRatio = 1;   ///< no ratio of the run is larger
-    float largestPx = 0;      ///< no splat of the run is larger, in this pass
-    bool crossesTile = true;  ///< some of it lies in other tiles
-    const DroppedRegion* dropped = nullptr;
+    float largestRatio = 1;              ///< no ratio of the run is larger
+    float largestPx = 0;                 ///< no splat of the run is larger, in this pass
+    bool crossesTile = true;             ///< some of it lies in other tiles
+    const RunRegion* regions = nullptr;  ///< first those in which samples are dropped
     std::int32_t droppedCount = 0;
+    std::int32_t keptCount =
+        0;  ///< those after them: in one at least every sample must lie, where there are any
 };
 
 /// A tile of the picture being drawn by one thread. `keys` points at its pixel (0, 0) inside a larger block:

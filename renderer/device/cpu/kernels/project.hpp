@@ -125,19 +125,29 @@ inline void filterByClip(const SplatRun& run, Block& b) {
     }
 }
 
+inline IntW insideRegion(const RunRegion& region, FloatW x, FloatW y, FloatW z) {
+    IntW inside = all(-1);
+    for (std::int32_t p = 0; p < region.count; ++p) {
+        const auto& plane = region.planes[p];
+        inside &= plane[0] * x + (plane[1] * y + (plane[2] * z + plane[3])) >= 0.0f;
+    }
+    return inside;
+}
+
 inline void filterByRegions(const SplatRun& run, Block& b) {
-    for (std::int32_t r = 0; r < run.droppedCount; ++r) {
-        const DroppedRegion& region = run.dropped[r];
-        for (int i = 0; i < b.padded; i += wideLanes) {
-            const IntW xy = load<IntW>(b.words[0] + i), zi = load<IntW>(b.words[1] + i);
-            const FloatW x = toFloat(xy & 0xffff), y = toFloat((xy >> 16) & 0xffff), z = toFloat(zi & 0xffff);
-            IntW inside = all(-1);
-            for (std::int32_t p = 0; p < region.count; ++p) {
-                const auto& plane = region.planes[p];
-                inside &= plane[0] * x + (plane[1] * y + (plane[2] * z + plane[3])) >= 0.0f;
-            }
-            store(b.drawable + i, load<IntW>(b.drawable + i) & ~inside);
+    const RunRegion* const kept = run.regions + run.droppedCount;
+    for (int i = 0; i < b.padded; i += wideLanes) {
+        const IntW xy = load<IntW>(b.words[0] + i), zi = load<IntW>(b.words[1] + i);
+        const FloatW x = toFloat(xy & 0xffff), y = toFloat((xy >> 16) & 0xffff), z = toFloat(zi & 0xffff);
+        IntW drawable = load<IntW>(b.drawable + i);
+        for (std::int32_t r = 0; r < run.droppedCount; ++r)
+            drawable &= ~insideRegion(run.regions[r], x, y, z);
+        if (run.keptCount > 0) {
+            IntW any = all(0);
+            for (std::int32_t r = 0; r < run.keptCount; ++r) any |= insideRegion(kept[r], x, y, z);
+            drawable &= any;
         }
+        store(b.drawable + i, drawable);
     }
 }
 
@@ -261,7 +271,7 @@ inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t 
     if (pass.classes != nullptr) filterByClass(pass, b);
     if (!pass.outliers) filterOutliers(b);
     if (run.clipped) filterByClip(run, b);
-    if (run.droppedCount > 0) filterByRegions(run, b);
+    if (run.regions != nullptr) filterByRegions(run, b);
     if (run.lastTurn != 0xffffffffu) filterByTurn(run, first, b);
     if (pass.payload == SplatPayload::Sample) {
         for (int i = 0; i < b.padded; ++i)

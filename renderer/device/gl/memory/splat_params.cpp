@@ -70,7 +70,7 @@ void SplatTables::begin(const ColorTables& colors, std::size_t mostRuns) {
     words.insert(words.end(), colors.normals.begin(), colors.normals.end());
 }
 
-std::uint32_t SplatTables::add(const RunNumbers& run, std::span<const DroppedRegion> dropped,
+std::uint32_t SplatTables::add(const RunNumbers& run, const RunRegions& crossing,
                                std::span<const SplatPass> passes, const Viewpoint& viewpoint) {
     RunParams out{};
     for (int r = 0; r < 3; ++r) {
@@ -78,8 +78,8 @@ std::uint32_t SplatTables::add(const RunNumbers& run, std::span<const DroppedReg
         out.toPicture[r] = {row[0], row[1], row[2], row[3]};
     }
     out.clipMin = {run.clipMin[0], run.clipMin[1], run.clipMin[2], static_cast<int>(words.size())};
-    out.clipMax = {run.clipMax[0], run.clipMax[1], run.clipMax[2], static_cast<int>(dropped.size())};
-    for (const DroppedRegion& region : dropped) {
+    out.clipMax = {run.clipMax[0], run.clipMax[1], run.clipMax[2], crossing.dropped | crossing.kept << 16};
+    for (const RunRegion& region : crossing.regions) {
         words.push_back(static_cast<std::uint32_t>(region.count));
         for (const auto& plane : region.planes)
             std::ranges::transform(plane, std::back_inserter(words), bits);
@@ -92,7 +92,7 @@ std::uint32_t SplatTables::add(const RunNumbers& run, std::span<const DroppedReg
     out.factors = {run.indexStep, run.indexBase, run.ratioUnit, run.plainRadius};
     out.color = {run.color, run.lastTurn, run.firstOrdinal,
                  (run.oriented ? 1u : 0u) | (run.hasBeside ? 2u : 0u)};
-    filters = filters || run.clipped || !dropped.empty();
+    filters = filters || run.clipped || !crossing.regions.empty();
     runs.push_back(out);
     return static_cast<std::uint32_t>(runs.size() - 1);
 }

@@ -27,8 +27,8 @@ struct SplatTables {
     /// Forgets all runs; what memory there is stays, for as many as these.
     void begin(const ColorTables& colors, std::size_t mostRuns);
     /// The run's index in `runs`.
-    std::uint32_t add(const RunNumbers& run, std::span<const DroppedRegion> dropped,
-                      std::span<const SplatPass> passes, const Viewpoint& viewpoint);
+    std::uint32_t add(const RunNumbers& run, const RunRegions& crossing, std::span<const SplatPass> passes,
+                      const Viewpoint& viewpoint);
 };
 
 }  // namespace scancast::gl

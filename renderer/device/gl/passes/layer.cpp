@@ -86,10 +86,10 @@ std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const CutView&
         const CutRun& run = cut.runs[i];
         if (run.samples.empty()) continue;
         const auto numbers = runNumbers(run, layerView_, drawing.color, filter);
-        const auto dropped = droppedRegions(*run.node, filter);
-        if (!numbers || !dropped) continue;
-        runOfCut_[i] = tables_.add(*numbers, *dropped, splats_, *layerView_.viewpoint);
-        regions = std::max(regions, dropped->size());
+        const auto crossing = runRegions(*run.node, filter);
+        if (!numbers || !crossing) continue;
+        runOfCut_[i] = tables_.add(*numbers, *crossing, splats_, *layerView_.viewpoint);
+        regions = std::max(regions, crossing->regions.size());
         drawn.push_back(i);
         depths.push_back(frontOf(*run.node, *layerView_.viewpoint));
     }

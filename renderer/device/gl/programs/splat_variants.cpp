@@ -15,8 +15,8 @@ namespace {
 constexpr float smallestShared = 15;
 /// Threads that share out large footprints.
 constexpr int sharingGroup = 128;
-/// Planes of a dropped region at most, and one turn for itself.
-constexpr double turnsOfRegion = 6;
+/// Planes of a region at most, and one turn for itself.
+constexpr double turnsOfRegion = 7;
 /// Pixels by which a footprint's box may be wider than its diameter: it covers those that it touches.
 constexpr double boxBorder = 4;
 

@@ -25,14 +25,14 @@ enum class Keep : std::uint8_t { Order, Payload, Key };
 /// What holds for all passes of a layer.
 struct LayerTraits {
     SplatLimits limits;       ///< the driver's
-    bool filters = false;     ///< some samples are not drawn: classes, clip box, dropped regions
+    bool filters = false;     ///< some samples are not drawn: classes, clip box, regions
     bool silhouette = false;  ///< there is a silhouette to test by
 };
 
 /// splat.comp.
 ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Keep keep);
 /// Samples that a work group may take, 1 .. samplesPerChunk, so that no thread's loops turn more often than
-/// the driver allows, on pictures of `pixels`; `regions` = dropped regions that a sample is tested against.
+/// the driver allows, on pictures of `pixels`; `regions` = those that a sample is tested against.
 std::uint32_t chunkSamples(const SplatPass& pass, const LayerTraits& traits, std::size_t pixels,
                            std::size_t regions);
 /// resolve_keys.comp, resolve_samples.comp, resolve_sums.comp; `normals`: into a plane of them. `owners`: into planes that

@@ -51,7 +51,7 @@ TEST(DamagedFile, WhatStandsBehindTheFactsMeansNothing) {
 
 TEST(DamagedFile, AnotherVersionSaysWhatToDo) {
     auto bytes = test::sampleFile();
-    for (const int version : {0, 3, 255}) {
+    for (const int version : {0, 4, 255}) {
         bytes[8] = std::byte(version);
         const auto file = test::openBytes(bytes);
         ASSERT_FALSE(file);

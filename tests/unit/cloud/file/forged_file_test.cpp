@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "renderer/cloud/file/blocks/byte_planes.hpp"
+#include "tests/support/clouds/version_two.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
 
 namespace scancast {
@@ -32,6 +33,11 @@ struct Lie {
     const char* what;
     Change change;
 };
+
+/// The honest file with a lie in it, in each version that has planes.
+std::vector<std::vector<std::byte>> inEachVersion(std::span<const std::byte> honest, const Change& change) {
+    return {test::forged(honest, change), test::asVersionTwo(honest, change)};
+}
 
 const std::vector<Lie>& lies() {
     static const std::vector<Lie> list{
@@ -80,14 +86,15 @@ const std::vector<Lie>& lies() {
 
 TEST(ForgedFile, EveryLieIsFound) {
     const auto honest = test::sampleFile();
-    ASSERT_TRUE(test::openBytes(test::forged(honest, [](FileParts&) {}))) << "the forger must be good";
-    for (const Lie& lie : lies()) {
-        const auto bytes = test::forged(honest, lie.change);
-        const auto file = test::openBytes(bytes);
-        ASSERT_FALSE(file) << lie.what;
-        EXPECT_EQ(file.error().code, ErrorCode::Malformed) << lie.what;
-        EXPECT_TRUE(file.error().message.starts_with("memory.scan, node ")) << file.error().message;
-    }
+    for (const auto& bytes : inEachVersion(honest, [](FileParts&) {}))
+        ASSERT_TRUE(test::openBytes(bytes)) << "the forger must be good";
+    for (const Lie& lie : lies())
+        for (const auto& bytes : inEachVersion(honest, lie.change)) {
+            const auto file = test::openBytes(bytes);
+            ASSERT_FALSE(file) << lie.what;
+            EXPECT_EQ(file.error().code, ErrorCode::Malformed) << lie.what;
+            EXPECT_TRUE(file.error().message.starts_with("memory.scan, node ")) << file.error().message;
+        }
 }
 
 TEST(ForgedFile, PhotosLieAmongTheBlocks) {
@@ -122,8 +129,6 @@ TEST(ForgedFile, ABlockMustBeLargeEnoughForItsSamples) {
 }
 
 TEST(ForgedFile, HeadersThatContradictThemselves) {
-    const auto honest = test::sampleFile();
-    const auto header = parseHeader(std::span(honest).first(cloudHeaderBytes), honest.size()).value();
     const std::vector<std::function<void(CloudFileHeader&)>> changes{
         [](auto& h) { h.nodes = 0; },
         [](auto& h) { h.nodes = 0xffffffffu; },
@@ -144,15 +149,18 @@ TEST(ForgedFile, HeadersThatContradictThemselves) {
         [](auto& h) { --h.facts.bytes; },
         [](auto& h) { --h.fileBytes; },
     };
-    for (std::size_t i = 0; i < changes.size(); ++i) {
-        auto bytes = honest;
-        auto changed = header;
-        changes[i](changed);
-        const auto start = encodeHeader(changed);
-        std::copy(start.begin(), start.end(), bytes.begin());
-        const auto file = test::openBytes(bytes);
-        ASSERT_FALSE(file) << i;
-        EXPECT_EQ(file.error().code, ErrorCode::Malformed) << i << ": " << file.error().message;
+    for (const auto& honest : inEachVersion(test::sampleFile(), [](FileParts&) {})) {
+        const auto header = parseHeader(std::span(honest).first(cloudHeaderBytes), honest.size()).value();
+        for (std::size_t i = 0; i < changes.size(); ++i) {
+            auto bytes = honest;
+            auto changed = header;
+            changes[i](changed);
+            const auto start = encodeHeader(changed);
+            std::copy(start.begin(), start.end(), bytes.begin());
+            const auto file = test::openBytes(bytes);
+            ASSERT_FALSE(file) << i;
+            EXPECT_EQ(file.error().code, ErrorCode::Malformed) << i << ": " << file.error().message;
+        }
     }
 }
 
@@ -184,19 +192,34 @@ TEST(ForgedFile, EveryLieAboutPlanesIsFoundAndNamed) {
          "node 0 of the index, plane return_number: ", "a block of nothing"},
         {plane(0, 3, [](BlockPlace& p) { p.bytes = 0; }), "node 0 of the index, plane density: ", "missing"},
         {plane(0, 3, [](BlockPlace& p) { p.offset = 0; }), "node 0 of the index, plane density: ", "outside"},
-        {[](FileParts& f) { f.planes.resize(f.planes.size() - f.nodes.size()); }, "the index of planes has ",
-         "places"},
-        {[](FileParts& f) { f.facts.companions.pop_back(); }, "the index of planes has ", "places"},
-        {[](FileParts& f) { f.planes.clear(); }, "the index of planes has 0 places", ""},
     };
-    for (const PlaneLie& lie : lies) {
-        const auto forged = test::openBytes(test::forged(honest, lie.change));
-        ASSERT_FALSE(forged) << lie.where << lie.what;
-        EXPECT_EQ(forged.error().code, ErrorCode::Malformed);
-        EXPECT_TRUE(forged.error().message.starts_with("memory.scan, " + lie.where))
-            << forged.error().message;
-        EXPECT_NE(forged.error().message.find(lie.what), std::string::npos) << forged.error().message;
-    }
+    for (const PlaneLie& lie : lies)
+        for (const auto& bytes : inEachVersion(honest, lie.change)) {
+            const auto forged = test::openBytes(bytes);
+            ASSERT_FALSE(forged) << lie.where << lie.what;
+            EXPECT_EQ(forged.error().code, ErrorCode::Malformed);
+            EXPECT_TRUE(forged.error().message.starts_with("memory.scan, " + lie.where))
+                << forged.error().message;
+            EXPECT_NE(forged.error().message.find(lie.what), std::string::npos) << forged.error().message;
+        }
+}
+
+TEST(ForgedFile, ThereIsAPlaceForEachPlaneOfEachNode) {
+    const auto honest = test::sampleFile();
+    const Change lies[] = {
+        [](FileParts& f) { f.planes.resize(f.planes.size() - f.nodes.size()); },
+        [](FileParts& f) { f.planes.resize(f.planes.size() + f.nodes.size(), f.planes.back()); },
+        [](FileParts& f) { f.facts.companions.pop_back(); },
+        [](FileParts& f) { f.facts.companions.clear(), f.facts.columns.clear(); },
+        [](FileParts& f) { f.planes.clear(); }};
+    for (const Change& lie : lies)
+        for (const auto& bytes : inEachVersion(honest, lie)) {
+            const auto forged = test::openBytes(bytes);
+            ASSERT_FALSE(forged);
+            EXPECT_EQ(forged.error().code, ErrorCode::Malformed);
+            EXPECT_NE(forged.error().message.find("the index of planes "), std::string::npos)
+                << forged.error().message;
+        }
 }
 
 TEST(ForgedFile, PlanesMustBeLargeEnoughForTheirValues) {
@@ -219,17 +242,16 @@ TEST(ForgedFile, PlanesMustBeLargeEnoughForTheirValues) {
 TEST(ForgedFile, WhatMustBeZeroIsLookedAt) {
     const auto honest = test::sampleFile();
     const auto header = parseHeader(std::span(honest).first(cloudHeaderBytes), honest.size()).value();
-    const auto part = [&](const FilePart& p) {
-        return std::vector<std::byte>(honest.begin() + std::ptrdiff_t(p.offset),
-                                      honest.begin() + std::ptrdiff_t(p.end()));
-    };
-    const auto blocks = std::span(honest).first(header.index.offset);
-    const auto nodes = part(header.index), planes = part(header.planes), facts = part(header.facts);
-    ASSERT_EQ(test::assembled(blocks, nodes, planes, facts), honest);
+    const auto parts = test::partsOf(honest);
+    const auto blocks = std::span(honest).first(header.index.offset),
+               facts = std::span(honest).subspan(header.facts.offset);
+    const auto nodes = residualsOf(parts.nodes),
+               planes = residualsOf(parts.planes, parts.nodes, planesOf(parts.facts).size());
+    ASSERT_EQ(test::packedFile(blocks, nodes, planes, facts), honest);
     for (const std::size_t at : {143, 184, 207}) {
         auto other = nodes;
         other[nodeRecordBytes + at] = std::byte(1);
-        const auto file = test::openBytes(test::assembled(blocks, other, planes, facts));
+        const auto file = test::openBytes(test::packedFile(blocks, other, planes, facts));
         ASSERT_FALSE(file) << at;
         EXPECT_NE(file.error().message.find("index of nodes has something where zeros"), std::string::npos)
             << file.error().message;
@@ -237,7 +259,7 @@ TEST(ForgedFile, WhatMustBeZeroIsLookedAt) {
     for (const std::size_t at : {20, 23}) {
         auto other = planes;
         other[planeRecordBytes + at] = std::byte(1);
-        const auto file = test::openBytes(test::assembled(blocks, nodes, other, facts));
+        const auto file = test::openBytes(test::packedFile(blocks, nodes, other, facts));
         ASSERT_FALSE(file) << at;
         EXPECT_NE(file.error().message.find("index of planes has something where zeros"), std::string::npos)
             << file.error().message;

@@ -1,6 +1,7 @@
 // CLOUD_FILE.md is what others read; these tests fail when it and the code part ways.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -8,7 +9,9 @@
 
 #include "files/bytes.hpp"
 #include "protocol/json_text.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/blocks/byte_planes.hpp"
+#include "tests/support/clouds/version_two.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
 
 namespace scancast {
@@ -74,6 +77,99 @@ std::vector<std::byte> bytesOfValue(const T& value) {
     return {bytes.begin(), bytes.end()};
 }
 
+/// Up to 16384 packed records: checksums, then the other bytes in byte planes, as values have them.
+std::vector<std::byte> chunkByThePage(std::span<const std::byte> stored, std::size_t records,
+                                      std::size_t recordBytes, std::size_t checksumAt) {
+    const auto rest = decodeRows(stored.subspan(8 * records), recordBytes - 8, records).value();
+    std::vector<std::byte> out;
+    for (std::size_t i = 0; i < records; ++i) {
+        const auto others = std::span(rest).subspan(i * (recordBytes - 8), recordBytes - 8);
+        const auto before = others.first(checksumAt), checksum = stored.subspan(8 * i, 8),
+                   behind = others.subspan(checksumAt);
+        for (const auto part : {before, checksum, behind}) out.insert(out.end(), part.begin(), part.end());
+    }
+    return out;
+}
+
+/// A number of some record, to read and to XOR.
+struct Number {
+    std::byte* at;
+    std::size_t bytes;
+    std::uint64_t value() const {
+        std::uint64_t v = 0;
+        std::memcpy(&v, at, bytes);
+        return v;
+    }
+    double asDouble() const { return loadLe<double>(at); }
+    void take(std::uint64_t expected) const {
+        const std::uint64_t v = value() ^ expected;
+        std::memcpy(at, &v, bytes);
+    }
+};
+
+/// "Packed indices" of nodes, as somebody would write it who has the page alone.
+std::vector<std::byte> nodesByThePage(std::span<const std::byte> stored, std::size_t count) {
+    auto records = chunkByThePage(stored, count, 208, 176);
+    const auto number = [&](std::size_t node, std::size_t at, std::size_t bytes = 8) {
+        return Number{&records[208 * node + at], bytes};
+    };
+    std::uint32_t children = 1;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (i > 0) {
+            number(i, 132, 4).take(number(i - 1, 132, 4).value());
+            number(i, 152).take(number(i - 1, 152).value() + number(i - 1, 144, 4).value());
+            number(i, 168).take(number(i - 1, 168).value() + number(i - 1, 148, 4).value());
+            const std::size_t parent = number(i, 132, 4).value();
+            for (const std::size_t at : {0, 8, 16, 48, 56, 64})
+                number(i, at).take(number(parent, at).value());
+        }
+        for (const std::size_t at : {0, 8, 16}) {
+            const double middle = (number(i, at).asDouble() + number(i, 48 + at).asDouble()) * 0.5;
+            number(i, 72 + at).take(std::bit_cast<std::uint64_t>(middle));
+        }
+        number(i, 112, 4).take(number(i, 104, 4).value());
+        number(i, 160).take(number(i, 144, 4).value());
+        const std::uint64_t own = number(i, 140, 1).value();
+        number(i, 136, 4).take(own > 0 ? children : 0xffffffffu);
+        children += std::uint32_t(own);
+    }
+    return records;
+}
+
+/// The same for planes.
+std::vector<std::byte> planesByThePage(std::span<const std::byte> stored, std::span<const std::byte> nodes,
+                                       std::size_t planes) {
+    auto records = chunkByThePage(stored, nodes.size() / 208 * planes, 24, 8);
+    std::uint64_t end = 0;
+    for (std::size_t i = 0; i < records.size() / 24; ++i) {
+        const Number offset{&records[24 * i], 8}, bytes{&records[24 * i + 16], 4};
+        const std::byte* node = &nodes[i / planes * 208];
+        if (i % planes == 0) end = loadLe<std::uint64_t>(node + 168) + loadLe<std::uint32_t>(node + 148);
+        if (bytes.value() == 0) continue;
+        offset.take(end);
+        end = offset.value() + bytes.value();
+    }
+    return records;
+}
+
+TEST(FormatPage, SaysHowIndicesArePacked) {
+    const auto bytes = test::sampleFile();
+    const auto file = test::openBytes(bytes).value();
+    const auto parsed = parseHeader(std::span(bytes).first(cloudHeaderBytes), bytes.size()).value();
+    const auto records = nodesByThePage(std::span(bytes).subspan(parsed.index.offset, parsed.index.bytes),
+                                        file->nodes().size());
+    EXPECT_EQ(records, test::nodeRecords(file->nodes()));
+    EXPECT_EQ(
+        planesByThePage(std::span(bytes).subspan(parsed.planes.offset, parsed.planes.bytes), records, 5),
+        test::planeRecords(test::planePlaces(*file)));
+    const auto text = page();
+    const auto packed = text.find("## Packed indices"), end = text.find("\n## ", packed);
+    ASSERT_NE(packed, std::string::npos);
+    for (const char* field : {"parent", "firstSample", "samplesOffset", "boxMin", "boxMax", "center",
+                              "radiusUnit", "points", "firstChild", "offset"})
+        EXPECT_LT(text.find("`" + std::string(field) + "`", packed), end) << field;
+}
+
 // Right because the tables say where, the test says what, and the writer knows neither.
 TEST(FormatPage, TheFileHasItsFieldsThere) {
     const auto bytes = test::sampleFile();
@@ -82,26 +178,27 @@ TEST(FormatPage, TheFileHasItsFieldsThere) {
     const auto header = [&](std::string_view name) { return bytesAt(cloudHeaderFields, name, start); };
     const auto parsed = parseHeader(start, bytes.size()).value();
     EXPECT_EQ(header("magic"), bytesOfValue(cloudFileMagic));
-    EXPECT_EQ(header("version"), bytesOfValue(std::uint32_t(2)));
+    EXPECT_EQ(header("version"), bytesOfValue(std::uint32_t(3)));
     EXPECT_EQ(header("headerBytes"), bytesOfValue(std::uint32_t(128)));
     EXPECT_EQ(header("fileBytes"), bytesOfValue(std::uint64_t(bytes.size())));
     EXPECT_EQ(header("indexOffset"), bytesOfValue(parsed.index.offset));
-    EXPECT_EQ(header("indexBytes"), bytesOfValue(std::uint64_t(file->nodes().size() * nodeRecordBytes)));
+    EXPECT_EQ(header("indexBytes"), bytesOfValue(parsed.index.bytes));
     EXPECT_EQ(header("factsOffset"), bytesOfValue(parsed.facts.offset));
     EXPECT_EQ(header("nodes"), bytesOfValue(std::uint32_t(file->nodes().size())));
     EXPECT_EQ(header("headerChecksum"), bytesOfValue(checksumOf(start.first(120))));
     EXPECT_EQ(header("indexChecksum"),
               bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.index.offset, parsed.index.bytes))));
     EXPECT_EQ(header("planesOffset"), bytesOfValue(parsed.index.end()));
-    EXPECT_EQ(header("planesBytes"),
-              bytesOfValue(std::uint64_t(5 * file->nodes().size() * planeRecordBytes)));
+    EXPECT_EQ(header("planesBytes"), bytesOfValue(parsed.facts.offset - parsed.planes.offset));
     EXPECT_EQ(header("planesChecksum"),
               bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.planes.offset, parsed.planes.bytes))));
     EXPECT_EQ(header("factsChecksum"),
               bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.facts.offset))));
 
     const auto last = file->nodes().back();
-    const auto record = std::span(bytes).subspan(parsed.planes.offset - nodeRecordBytes, nodeRecordBytes);
+    const auto records = nodesByThePage(std::span(bytes).subspan(parsed.index.offset, parsed.index.bytes),
+                                        file->nodes().size());
+    const auto record = std::span(records).last(nodeRecordBytes);
     const auto node = [&](std::string_view name) { return bytesAt(nodeRecordFields, name, record); };
     EXPECT_EQ(node("boxMin"), bytesOfValue(last.node.boxMin));
     EXPECT_EQ(node("step"), bytesOfValue(last.node.step));
@@ -126,7 +223,9 @@ TEST(FormatPage, TheFileHasItsFieldsThere) {
     EXPECT_EQ(node("confidence"), bytesOfValue(last.node.confidence));
 
     const auto place = file->planePlace(std::uint32_t(file->nodes().size() - 1), 4);
-    const auto end = std::span(bytes).subspan(parsed.facts.offset - planeRecordBytes, planeRecordBytes);
+    const auto beside =
+        planesByThePage(std::span(bytes).subspan(parsed.planes.offset, parsed.planes.bytes), records, 5);
+    const auto end = std::span(beside).last(planeRecordBytes);
     const auto plane = [&](std::string_view name) { return bytesAt(planeRecordFields, name, end); };
     EXPECT_EQ(plane("offset"), bytesOfValue(place.offset));
     EXPECT_EQ(plane("bytes"), bytesOfValue(place.bytes));

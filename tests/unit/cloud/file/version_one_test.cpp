@@ -1,4 +1,4 @@
-// Files of version 1 open as if they were of version 2. Nothing writes them any more: version_one.hpp of
+// Files of version 1 open as newer ones do. Nothing writes them any more: version_one.hpp of
 // tests/support/clouds makes them.
 #include "tests/support/clouds/version_one.hpp"
 
@@ -14,8 +14,8 @@ std::vector<std::byte> oldFile(bool columns) {
     return test::asVersionOne(*test::openBytes(test::sampleFile(columns)).value());
 }
 
-// Right because the version 2 file was made of the same cloud, and is compared with it by its own tests.
-TEST(VersionOne, IsReadAsVersionTwoIs) {
+// Right because the newer file was made of the same cloud, and is compared with it by its own tests.
+TEST(VersionOne, IsReadAsNewerOnesAre) {
     for (const bool columns : {false, true}) {
         const auto bytes = oldFile(columns), newer = test::sampleFile(columns);
         EXPECT_EQ(bytes[8], std::byte(1));
@@ -24,7 +24,7 @@ TEST(VersionOne, IsReadAsVersionTwoIs) {
         const CloudFile& file = **opened;
         const auto same = test::openBytes(newer).value();
         ASSERT_EQ(file.nodes().size(), same->nodes().size());
-        ASSERT_EQ(file.planes().size(), columns ? 3u : 0u) << "companions are of version 2";
+        ASSERT_EQ(file.planes().size(), columns ? 3u : 0u) << "companions are newer";
         for (std::uint32_t i = 0; i < file.nodes().size(); ++i) {
             const auto samples = file.samples(i).value(), others = same->samples(i).value();
             ASSERT_EQ(std::memcmp(samples.data(), others.data(), others.size() * sizeof(Sample)), 0);

@@ -20,7 +20,7 @@ struct SplatParams {
 struct RunParams {
     vec4 toPicture[3];  // rows times (x, y, z, 1): across, down, px (times depth in perspective); depth
     ivec4 clipMin;      // integers of the samples inside the clip box, inclusive; w: first word of its regions
-    ivec4 clipMax;      // w: regions in which its samples are dropped
+    ivec4 clipMax;      // w: regions in which its samples are dropped; from the 16th bit on those, after them, in which alone they are kept
     vec4 sizeFactors;   // by pass: size of sprites = this * ratio (over depth in perspective)
     vec4 factors;       // colour index = value * .x + .y; z: unit of the samples' radii over the run's; w: that
     uvec4 color;        // x: of every sample where the source is one per run; y: last turn (fade.hpp); z: ordinal of

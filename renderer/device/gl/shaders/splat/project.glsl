@@ -30,10 +30,15 @@ bool passesFilters(RunParams run, uvec4 words) {
     if (pass.filters.x != 0 && tables[classWords + (words.z >> 24)] == 0u) return false;
     ivec3 place = ivec3(words.x & 0xffffu, words.x >> 16, words.y & 0xffffu);
     if (any(lessThan(place, run.clipMin.xyz)) || any(greaterThan(place, run.clipMax.xyz))) return false;
-    for (int r = 0; r < run.clipMax.w; ++r) {
-        if (insideRegion(uint(run.clipMin.w) + uint(r) * regionWords, vec3(place))) return false;
+    uint dropped = uint(run.clipMax.w) & 0xffffu, kept = uint(run.clipMax.w) >> 16;
+    uint word = uint(run.clipMin.w);
+    for (uint r = 0u; r < dropped; ++r, word += regionWords) {
+        if (insideRegion(word, vec3(place))) return false;
     }
-    return true;
+    for (uint r = 0u; r < kept; ++r, word += regionWords) {
+        if (insideRegion(word, vec3(place))) return true;
+    }
+    return kept == 0u;
 }
 #endif
 

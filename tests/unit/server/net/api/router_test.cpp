@@ -30,6 +30,7 @@ TEST(Router, EveryRoute) {
         {"/api/v1/clouds/town/snapshot.png?width=3", Route::SnapshotPng},
         {"/api/v1/clouds/town/snapshot", Route::Snapshot},
         {"/api/v1/clouds/town/pick", Route::Pick},
+        {"/api/v1/clouds/town/measure", Route::Measure},
         {"/api/v1/clouds/town/stream.mjpg?fps=10", Route::StreamMjpeg},
         {"/api/v1/stream", Route::Stream},
         {"/api/v1/sessions", Route::Sessions},

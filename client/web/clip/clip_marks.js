@@ -1,0 +1,87 @@
+// The boxes that cut, over the picture: their edges, and of the one that is chosen a handle for each face, one for its middle and one
+// that turns it. Placed anew whenever what is on the canvas looks from elsewhere, as measures are (measure/marks.js).
+
+import { Places } from '../measure/places.js';
+import { edgesOf, facesOf, placeIn } from './box.js';
+
+const namespace = 'http://www.w3.org/2000/svg';
+const px = (number) => number.toFixed(2);
+
+function svg(name, className, parent) {
+  const node = document.createElementNS(namespace, name);
+  if (className) node.setAttribute('class', className);
+  parent.append(node);
+  return node;
+}
+
+/** Where the handles are: { kind: 'face', 'move' or 'turn', at, … }. Pure. */
+export function handlesOf(box) {
+  return [
+    ...facesOf(box).map((face) => ({ kind: 'face', ...face })), { kind: 'move', at: box.center },
+    { kind: 'turn', at: placeIn(box, [1.3, 0, 1]), from: placeIn(box, [1, 0, 1]) },
+  ];
+}
+
+export class ClipMarks {
+  #root;
+  #viewer;
+  #drawing;
+  #shapes = [];
+  #chosen;
+  #pose;
+  #handles = [];
+
+  constructor(root, viewer) {
+    this.#root = root;
+    this.#viewer = viewer;
+    this.#drawing = svg('svg', '', root);
+    viewer.addEventListener('shown', () => this.place());
+    new ResizeObserver(() => this.place(true)).observe(root);
+  }
+
+  /** `shapes` as the view has them; `chosen`, the index of the one that has handles; nothing is drawn where `isActive` is false. */
+  show(shapes, chosen, isActive) {
+    this.#shapes = isActive ? shapes : [];
+    this.#chosen = isActive ? chosen : undefined;
+    this.#drawing.replaceChildren();
+    for (const [i, shape] of this.#shapes.entries()) {
+      if (shape.box) svg('path', `edges ${shape.keep === 'outside' ? 'outside' : ''} ${i === chosen ? 'chosen' : ''}`, this.#drawing).dataset.shape = String(i);
+    }
+    const box = this.#shapes[this.#chosen]?.box;
+    this.#handles = (box ? handlesOf(box) : []).map((handle, i) => {
+      const node = svg('g', `handle ${handle.kind}`, this.#drawing);
+      node.dataset.handle = String(i);
+      if (handle.kind === 'turn') svg('path', 'arm', node);
+      svg('circle', 'reach', node);
+      svg('circle', 'dot', node);
+      return { ...handle, node };
+    });
+    this.place(true);
+  }
+
+  /** The handle of an element in it. */
+  handleOf(node) {
+    return this.#handles[Number(node?.closest?.('.handle')?.dataset.handle)];
+  }
+
+  place(anyway = false) {
+    const { shownPose, cssSize } = this.#viewer;
+    if (!anyway && shownPose === this.#pose) return;
+    this.#pose = shownPose;
+    this.#root.style.visibility = shownPose ? '' : 'hidden';
+    if (!shownPose || this.#shapes.length === 0) return;
+    const places = new Places(shownPose, cssSize);
+    for (const path of this.#drawing.querySelectorAll('.edges')) {
+      const lines = edgesOf(this.#shapes[Number(path.dataset.shape)].box).map(([a, b]) => places.line(a, b)).filter(Boolean);
+      path.setAttribute('d', lines.map(([a, b]) => `M${px(a.x)} ${px(a.y)}L${px(b.x)} ${px(b.y)}`).join(''));
+    }
+    for (const { at, from, node } of this.#handles) {
+      const on = places.of(at);
+      node.style.display = on ? '' : 'none';
+      if (!on) continue;
+      node.setAttribute('transform', `translate(${px(on.x)} ${px(on.y)})`);
+      const start = from && places.of(from);
+      if (start) node.querySelector('.arm').setAttribute('d', `M0 0L${px(start.x - on.x)} ${px(start.y - on.y)}`);
+    }
+  }
+}

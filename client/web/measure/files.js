@@ -1,0 +1,40 @@
+// Files in and out: exports and the project as downloads, a project that is opened or dropped onto the page.
+
+import { mostBytes, parseProject, ProjectError } from './project.js';
+
+/** Hands a text to the browser as a download. */
+export function download(name, type, text) {
+  const url = URL.createObjectURL(new Blob([text], { type }));
+  Object.assign(document.createElement('a'), { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
+
+/** The project in a File; rejects with a ProjectError. */
+export async function readProject(file) {
+  if (file.size > mostBytes) throw new ProjectError(`${file.name} is larger than ${mostBytes >> 20} MiB, which no project file is.`);
+  let text;
+  try {
+    text = await file.text();
+  } catch {
+    throw new ProjectError(`${file.name} could not be read.`);
+  }
+  return parseProject(text);
+}
+
+const hasFiles = (event) => [...(event.dataTransfer?.types ?? [])].includes('Files');
+
+/** `use(file)` hears of what is chosen with `button` or dropped anywhere. */
+export function acceptFiles(button, input, use) {
+  button.addEventListener('click', () => input.click());
+  input.addEventListener('change', () => {
+    if (input.files[0]) use(input.files[0]);
+    input.value = ''; // so that the same one can be chosen again
+  });
+  addEventListener('dragover', (event) => hasFiles(event) && event.preventDefault());
+  addEventListener('drop', (event) => {
+    if (!hasFiles(event)) return;
+    event.preventDefault(); // the browser would leave the page for it
+    const [file] = event.dataTransfer.files;
+    if (file) use(file);
+  });
+}

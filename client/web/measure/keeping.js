@@ -1,0 +1,138 @@
+// Where measures are kept, and whose they are: on this device for each scan, in the address, in project files, in exports. Everything
+// comes to the list as a whole or not at all, and whatever takes the place of what was there can be taken back.
+
+import { strings } from '../page/strings.js';
+import { parseHash } from '../view/view_hash.js';
+import { csvOf, dxfOf, geoJsonOf, isWgs84 } from './export.js';
+import { acceptFiles, download, readProject } from './files.js';
+import { parseMeasures, printMeasures } from './link.js';
+import { unknownOf } from './measures.js';
+import { printProject } from './project.js';
+import { keep, recall } from './shelf.js';
+import { unitOf } from './units.js';
+
+/** @type {(id: string) => any} */
+const find = (id) => document.getElementById(id);
+const words = strings.measure;
+const { messages } = words;
+
+export class Keeping {
+  #viewer;
+  #measures;
+  #page;
+  #cloud; // whose measures these are
+  #next; // { cloud, use() } of a link or a project whose cloud is not shown yet
+  #kept = {}; // what a project file said that is not this page's
+  #leftOut = 0; // measures for which the link had no room
+
+  /**
+   * `page`: { overlays (messages), hash() (the view as an address says it), unit() and setUnit(unit) in which lengths are shown, opened()
+   * after a project was }.
+   */
+  constructor(viewer, measures, page) {
+    this.#viewer = viewer;
+    this.#measures = measures;
+    this.#page = page;
+    measures.addEventListener('change', () => this.#keep());
+    this.#connectFiles();
+  }
+
+  /** The measures are of this cloud from now on; its own come from the shelf, where it is another one, and those that waited for it. */
+  show(cloud) {
+    const isOther = cloud.id !== this.#cloud?.id;
+    this.#cloud = isOther ? undefined : cloud;
+    if (isOther) {
+      const known = recall(cloud);
+      this.#kept = known?.project.kept ?? {};
+      this.#measures.begin(known?.project.measures ?? []);
+      if (known?.isOlder && known.project.measures.length > 0) this.#page.overlays.toast(messages.otherState, messages.otherStateDetail);
+    }
+    this.#cloud = cloud;
+    find('export-geojson').hidden = !isWgs84(cloud);
+    if (!this.#next || (this.#next.cloud && this.#next.cloud !== cloud.id)) return;
+    const { use } = this.#next;
+    this.#next = undefined;
+    use();
+  }
+
+  #soon(cloud, use) {
+    this.#next = { cloud, use };
+    if (this.#cloud && (!cloud || cloud === this.#cloud.id)) this.show(this.#cloud);
+  }
+
+  #keep() {
+    if (!this.#cloud) return; // they have just come from there
+    const hasSome = this.#measures.list.length > 0 || Object.keys(this.#kept).length > 0;
+    keep(this.#cloud, hasSome ? this.#project('') : '');
+  }
+
+  // ---- the address
+
+  /** One that somebody has been given: its measures come to those that are here. */
+  arrived(hash) {
+    const list = parseMeasures(hash);
+    if (list.length > 0) this.#soon(parseHash(hash)?.cloud, () => this.#adopt(list));
+  }
+
+  #adopt(list) {
+    for (const one of unknownOf(this.#measures.list, list)) this.#measures.add({ ...one, name: one.name || this.#measures.nameFor(words.kinds[one.kind]) });
+  }
+
+  /** '' or '&measures=…', for an address that has that many characters already. */
+  hashPart(taken) {
+    const { word, left } = printMeasures(this.#measures.list, words.kinds, taken);
+    if (left > this.#leftOut) this.#page.overlays.toast(messages.linkFull, messages.linkFullDetail(left), 'done');
+    this.#leftOut = left;
+    return word && `&${word}`;
+  }
+
+  // ---- files
+
+  #project(view) {
+    return printProject({ cloud: this.#cloud, view, unit: this.#page.unit(), measures: this.#measures.list, kept: this.#kept });
+  }
+
+  #connectFiles() {
+    const save = (ending, type, text) => {
+      if (!this.#cloud) return;
+      const name = `${this.#cloud.id}.${ending}`;
+      download(name, type, text());
+      this.#page.overlays.toast(messages.saved, name, 'done');
+    };
+    const on = (id, act) => find(id).addEventListener('click', act);
+    on('export-csv', () => save('csv', 'text/csv', () => csvOf(this.#measures.list, this.#cloud, words.kinds)));
+    on('export-dxf', () => save('dxf', 'image/vnd.dxf', () => dxfOf(this.#measures.list, this.#cloud, words.kinds, unitOf(this.#cloud.crsUnit, this.#page.unit()))));
+    on('export-geojson', () => save('geojson', 'application/geo+json', () => geoJsonOf(this.#measures.list)));
+    on('save-project', () => save('project.json', 'application/json', () => this.#project(this.#page.hash().replace(/^#/, ''))));
+    acceptFiles(find('open-project'), find('project-file'), (file) => this.#open(file));
+  }
+
+  async #open(file) {
+    const { overlays } = this.#page;
+    let project;
+    try {
+      project = await readProject(file);
+    } catch (/** @type {any} */ error) {
+      overlays.toast(messages.notOpened, error.message);
+      return;
+    }
+    const { id } = project.cloud;
+    const isHere = id === this.#cloud?.id;
+    if (!isHere && !this.#viewer.catalog.clouds.some((one) => one.id === id)) {
+      overlays.toast(messages.notOpened, messages.noCloud(id));
+      return;
+    }
+    const view = parseHash(`#${project.view}`);
+    this.#soon(id, () => this.#use(project));
+    if (view || !isHere) this.#viewer.restore({ ...view, cloud: id });
+  }
+
+  #use({ cloud, unit, measures, kept }) {
+    this.#kept = kept;
+    if (unit) this.#page.setUnit(unit);
+    this.#measures.replace(measures.map((one) => ({ ...one, name: one.name || words.kinds[one.kind] })));
+    this.#page.opened();
+    if (cloud.revision && cloud.revision !== this.#cloud.revision) this.#page.overlays.toast(messages.otherState, messages.otherStateDetail);
+    else this.#page.overlays.toast(messages.opened, messages.openedDetail(measures.length), 'done');
+  }
+}

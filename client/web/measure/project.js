@@ -1,0 +1,89 @@
+// The project file: what somebody has done with a scan, as JSON that he can keep, send and open again (docs/project-file.md). It
+// may come from anywhere, so everything is checked, and what is wrong is named; what a later version added is kept. Pure.
+
+import { mostMeasures } from './measures.js';
+import { isOptionOf, kinds } from './values.js';
+
+export const format = 'scancast-project';
+const version = 1;
+export const mostBytes = 4 << 20;
+const farthest = 1e12;
+const longestName = 120;
+const longestView = 4096;
+const shortName = /^[A-Za-z0-9._-]{1,64}$/;
+const ours = ['format', 'version', 'cloud', 'view', 'unit', 'measures'];
+
+/** Why a file is no project, in a sentence. */
+export class ProjectError extends Error {}
+
+/** `kept`: what else a file said that was opened, and this page does not know. */
+export function printProject({ cloud, view, unit, measures, kept = {} }) {
+  const written = measures.map(({ name, kind, visible, up, points, step, more, option }) => ({
+    name, kind, ...(visible ? {} : { visible }), ...(up === 'z' ? {} : { up }), step, points, ...(option === undefined ? {} : { option }), ...(more ? { more } : {}),
+  }));
+  const { id, title, revision, crsName, crsUnit, crsEpsg } = cloud;
+  const about = Object.fromEntries(Object.entries({ id, title, revision, crsName, crsUnit, crsEpsg }).filter(([, value]) => value));
+  return `${JSON.stringify({ format, version, cloud: about, view, unit, measures: written, ...kept }, undefined, 1)}\n`;
+}
+
+const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
+const isText = (value, longest) => typeof value === 'string' && value.length <= longest;
+
+function check(holds, sentence) {
+  if (!holds) throw new ProjectError(sentence);
+}
+
+/** Short facts about a point; anything else would be shown as what it is not. */
+function moreOf(more, where) {
+  if (more === undefined) return undefined;
+  check(isObject(more) && JSON.stringify(more).length <= 4000, `${where}.more is no short list of names and values.`);
+  return more;
+}
+
+function measureOf(one, where) {
+  check(isObject(one), `${where} is no measure.`);
+  const { kind, name = '', visible = true, up = 'z', step = 0, points, more, option } = one;
+  check(typeof kind === 'string' && Object.hasOwn(kinds, kind), `${where}.kind: there is no kind ${JSON.stringify(kind)?.slice(0, 40)}; there are ${Object.keys(kinds).join(', ')}.`);
+  check(isText(name, longestName), `${where}.name is no text of up to ${longestName} letters.`);
+  check(typeof visible === 'boolean', `${where}.visible is neither true nor false.`);
+  check(['z', 'y', '-y'].includes(up), `${where}.up is none of z, y, -y.`);
+  check(typeof step === 'number' && step >= 0 && step <= farthest, `${where}.step is no length.`);
+  const { least, most } = kinds[kind];
+  check(Array.isArray(points), `${where}.points is no list of points.`);
+  check(points.length >= least && points.length <= most,
+    `${where}.points has ${points.length}; a measure of the kind ${kind} has ${least === most ? least : `${least} to ${most}`}.`);
+  points.forEach((point, i) => check(
+    Array.isArray(point) && point.length === 3 && point.every((value) => typeof value === 'number' && Math.abs(value) <= farthest),
+    `${where}.points[${i}] is no point: three finite numbers, x, y and z.`));
+  check(option === undefined || isOptionOf(kind, option), `${where}.option is none that a measure of the kind ${kind} has.`);
+  check(kind !== 'cylinder' || option !== undefined, `${where}.option is missing: how near to its point a cylinder's points are.`);
+  const facts = moreOf(more, where);
+  return { kind, name, visible, up, step, points, ...(option === undefined ? {} : { option }), ...(facts ? { more: facts } : {}) };
+}
+
+/**
+ * { cloud, view, unit, measures, kept } of a file's text; throws a ProjectError with a sentence for a person.
+ * @param {string} text
+ */
+export function parseProject(text) {
+  check(text.length <= mostBytes, `The file is larger than ${mostBytes >> 20} MiB, which no project file is.`);
+  let file;
+  try {
+    file = JSON.parse(text);
+  } catch (/** @type {any} */ error) {
+    throw new ProjectError(`The file is no JSON: ${error.message}.`);
+  }
+  check(isObject(file) && file.format === format, `The file is no project file: it does not say "format": "${format}".`);
+  check(Number.isInteger(file.version) && file.version >= 1, 'The file does not say which version it has.');
+  check(file.version <= version, `The file is of version ${file.version}, and this page reads ${version}: a newer Scancast has written it.`);
+  const { cloud, view = '', unit, measures = [] } = file;
+  check(isObject(cloud) && typeof cloud.id === 'string' && shortName.test(cloud.id), 'cloud.id names no point cloud.');
+  check(cloud.revision === undefined || isText(cloud.revision, 200), 'cloud.revision is no text.');
+  check(isText(view, longestView), `view is no text of up to ${longestView} letters.`);
+  check(unit === undefined || ['m', 'ft'].includes(unit), 'unit is neither m nor ft.');
+  check(Array.isArray(measures), 'measures is no list.');
+  check(measures.length <= mostMeasures, `There are ${measures.length} measures in the file; ${mostMeasures} is the most.`);
+  const read = measures.map((one, i) => measureOf(one, `measures[${i}]`));
+  const kept = Object.fromEntries(Object.entries(file).filter(([key]) => !ours.includes(key)));
+  return { cloud: { id: cloud.id, revision: cloud.revision }, view, unit, measures: read, kept };
+}

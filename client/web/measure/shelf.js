@@ -1,0 +1,47 @@
+// What the browser keeps of a scan between visits: its project, one for each cloud and state of it (`revision`).
+
+import { deviceStore } from '../connection/stores.js';
+import { parseProject } from './project.js';
+
+const mostKept = 40; // projects on one device; the oldest go
+const indexKey = 'scancast.projects';
+const keyOf = ({ id, revision }) => `scancast.project.${id}@${revision ?? ''}`;
+
+function known() {
+  try {
+    const list = JSON.parse(deviceStore.get(indexKey) ?? '[]');
+    return Array.isArray(list) ? list.filter((key) => typeof key === 'string') : [];
+  } catch {
+    return [];
+  }
+}
+
+function read(key) {
+  const text = deviceStore.get(key);
+  if (!text) return undefined;
+  try {
+    return parseProject(text);
+  } catch {
+    return undefined; // by whomever: it is not to stop the page
+  }
+}
+
+/** { project, isOlder }: what is kept of that cloud, be it of an earlier state of it; undefined for nothing. */
+export function recall(cloud) {
+  const project = read(keyOf(cloud));
+  if (project) return { project, isOlder: false };
+  const earlier = known().findLast((key) => key.startsWith(`scancast.project.${cloud.id}@`) && read(key));
+  return earlier && { project: read(earlier), isOlder: true };
+}
+
+/** `text` as printProject() makes it; an empty one is forgotten. */
+export function keep(cloud, text) {
+  const key = keyOf(cloud);
+  const others = known().filter((one) => one !== key);
+  if (text) {
+    others.push(key);
+    deviceStore.set(key, text);
+  } else deviceStore.remove(key);
+  for (const old of others.splice(0, Math.max(0, others.length - mostKept))) deviceStore.remove(old);
+  deviceStore.set(indexKey, JSON.stringify(others));
+}

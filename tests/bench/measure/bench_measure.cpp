@@ -1,0 +1,87 @@
+// How true measures are: volumes of houses, lengths between picks and areas of fronts on a scan of the generated town, against the town
+// itself; and what they take.
+//     bench_measure [--points N]
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/measure/volume.hpp"
+#include "simulator/scenes/town.hpp"
+#include "tests/oracle/measure/town_truth.hpp"
+
+namespace {
+
+using namespace scancast;
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double at(std::vector<double> values, double share) {
+    std::sort(values.begin(), values.end());
+    return values.empty() ? 0
+                          : values[std::min(values.size() - 1, std::size_t(share * double(values.size())))];
+}
+
+void print(const char* what, std::vector<double> errors, const char* unit) {
+    for (double& e : errors) e = std::abs(e);
+    std::printf("| %s | %zu | %.3f %s | %.3f %s | %.3f %s |\n", what, errors.size(), at(errors, 0.5), unit,
+                at(errors, 0.95), unit, at(errors, 1), unit);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::uint64_t points = 5'000'000;
+    for (int i = 1; i + 1 < argc; ++i)
+        if (std::strcmp(argv[i], "--points") == 0) points = std::strtoull(argv[i + 1], nullptr, 10);
+    const SceneOptions scene{.scene = "town", .points = points};
+    const auto town = RayCaster::create(scene).value();
+    auto source = simulate(scene).value();
+    BuildOptions options;
+    options.title = "town";
+    const auto cloud = *buildCloud(*source, options);
+    const double bound = 0.001 + cloud->spacing / 2;
+    std::printf("town of %llu points, spacing %.3f m\n\n", static_cast<unsigned long long>(points),
+                cloud->spacing);
+    std::printf("| measure | how many | median error | 95 %% | worst |\n|---|---|---|---|---|\n");
+
+    std::vector<double> volumes, bodies, areas, lengths;
+    double seconds = 0, worstTime = 0;
+    std::uint64_t measuredPoints = 0;
+    const auto houses = test::townHouses(town, pavementHeight);
+    for (const test::TownHouse& house : houses) {
+        MeasureRequest request;
+        request.kind = MeasureKind::Volume;
+        request.points.assign(house.corners.begin(), house.corners.end());
+        const auto start = Clock::now();
+        const auto measured = measureVolume(*cloud, {}, request);
+        if (!measured) return std::printf("%s\n", measured.error().message.c_str()), 1;
+        seconds += secondsSince(start);
+        worstTime = std::max(worstTime, secondsSince(start));
+        measuredPoints += measured->points;
+        const auto truth = test::volumeByRays(town, house.corners, house.corners[0].z, 0.1);
+        volumes.push_back(100 * (measured->above / truth.above - 1));
+        bodies.push_back(100 * (measured->above / house.volume() - 1));
+        areas.push_back(100 * test::frontArea(*cloud, house) / (house.width * (house.eaves - 0.3)) - 100);
+    }
+    for (const auto& [truth, measured] : test::lengthsBetweenPicks(*cloud, town, 400))
+        lengths.push_back(measured - truth);
+    print("volumes of houses, against rays from above", volumes, "%");
+    print("the same, against the generator's body (without chimneys, dormers, eaves)", bodies, "%");
+    print("areas of fronts between four picked corners", areas, "%");
+    print("lengths between two picks", lengths, "m");
+    const auto within =
+        std::count_if(lengths.begin(), lengths.end(), [&](double e) { return std::abs(e) <= bound; });
+    std::printf("\nlengths within 1 mm + half the spacing (%.3f m): %.1f %%\n", bound,
+                100.0 * double(within) / double(lengths.size()));
+    std::printf("a volume took %.1f ms on average, %.1f ms at most, of %llu points\n",
+                1e3 * seconds / double(houses.size()), 1e3 * worstTime,
+                static_cast<unsigned long long>(measuredPoints / houses.size()));
+    return 0;
+}

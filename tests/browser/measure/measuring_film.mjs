@@ -1,0 +1,103 @@
+// A small film of somebody who measures: the page driven by a mouse that one sees, a picture for every step, joined by ffmpeg.
+//
+//   scancast serve town.scan &
+//   node tests/browser/measure/measuring_film.mjs http://127.0.0.1:8080/ measuring.mp4 [CLOUD]
+//
+// Pictures are taken as fast as this machine can and shown at 12 a second, so the film's time is not the page's.
+
+import { spawnSync } from 'node:child_process';
+import { mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+import { startBrowser, waitUntilSharp } from '../support/browser.mjs';
+
+const [, , url, film, cloud = 'town'] = process.argv;
+if (!url || !film) {
+  console.error('Usage: node tests/browser/measure/measuring_film.mjs URL FILM.mp4 [CLOUD]');
+  process.exit(2);
+}
+const rate = 12;
+const folder = mkdtempSync(join(tmpdir(), 'scancast-film-'));
+const browser = await startBrowser();
+const page = await (await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: 'dark' })).newPage();
+
+let pictures = 0;
+let at = { x: 640, y: 680 };
+const take = async (count = 1) => {
+  for (let i = 0; i < count; ++i) await page.screenshot({ path: join(folder, `${String(pictures++).padStart(5, '0')}.jpg`), type: 'jpeg', quality: 90 });
+};
+/** The browser draws no cursor into screenshots. */
+const showCursor = ({ x, y }) => page.evaluate(([left, top]) => {
+  const id = 'film-cursor';
+  const node = document.getElementById(id) ?? document.body.appendChild(Object.assign(document.createElement('div'), { id }));
+  Object.assign(node.style, {
+    position: 'fixed', left: `${left - 9}px`, top: `${top - 9}px`, width: '18px', height: '18px', border: '2px solid #fff', borderRadius: '50%', background: '#0006', zIndex: '99',
+    pointerEvents: 'none',
+  });
+}, [x, y]);
+const go = async (to, steps = 8) => {
+  const from = at;
+  for (let i = 1; i <= steps; ++i) {
+    const t = i / steps;
+    const smooth = t * t * (3 - 2 * t);
+    at = { x: from.x + (to.x - from.x) * smooth, y: from.y + (to.y - from.y) * smooth };
+    await page.mouse.move(at.x, at.y);
+    await showCursor(at);
+    await take();
+  }
+};
+const click = async (to) => {
+  await go(to);
+  await page.mouse.down();
+  await page.mouse.up();
+  await page.waitForTimeout(500); // until the server has found the point
+  await take(3);
+};
+const drag = async (to, steps = 16) => {
+  await page.mouse.down();
+  await go(to, steps);
+  await page.waitForTimeout(90);
+  await page.mouse.up();
+  await page.waitForTimeout(300);
+  await take(4);
+};
+const middleOf = async (selector) => {
+  const { x, y, width, height } = await page.locator(selector).first().boundingBox();
+  return { x: x + width / 2, y: y + height / 2 };
+};
+const kind = async (name) => click(await middleOf(`#measure-kinds .choice:has(input[value=${name}])`));
+
+await page.goto(`${url}#cloud=${cloud}`);
+await waitUntilSharp(page, 60_000);
+await page.keyboard.press('p'); // the picture has the window to itself
+await page.waitForTimeout(600);
+await waitUntilSharp(page, 60_000);
+await take(8);
+await click(await middleOf('#tool-measure'));
+for (const place of [{ x: 560, y: 520 }, { x: 720, y: 430 }, { x: 840, y: 520 }]) await click(place);
+await page.keyboard.press('Enter');
+await take(6);
+await go({ x: 800, y: 360 });
+await drag({ x: 600, y: 330 }, 24);
+await go({ x: 620, y: 250 });
+await drag({ x: 820, y: 280 }, 24);
+await kind('height');
+for (const place of [{ x: 620, y: 300 }, { x: 622, y: 220 }]) await click(place);
+await kind('area');
+for (const place of [{ x: 580, y: 580 }, { x: 760, y: 580 }, { x: 745, y: 548 }, { x: 600, y: 548 }]) await click(place);
+await page.keyboard.press('Enter');
+await take(10);
+await page.keyboard.press('Control+z');
+await take(5);
+await page.keyboard.press('Control+Shift+z');
+await take(12);
+await browser.close();
+
+const { status, stderr } = spawnSync('ffmpeg', ['-y', '-loglevel', 'error', '-framerate', String(rate), '-i', join(folder, '%05d.jpg'), '-pix_fmt', 'yuv420p', '-crf', '24', film], { encoding: 'utf8' });
+rmSync(folder, { recursive: true, force: true });
+if (status !== 0) {
+  console.error(`ffmpeg could not join the pictures: ${stderr || 'it is not installed (apt-get install ffmpeg)'}`);
+  process.exit(1);
+}
+console.log(`${film}: ${pictures} pictures, ${(pictures / rate).toFixed(0)} s`);

@@ -1,0 +1,97 @@
+// Measures of a scan of the generated town against the town itself: bodies of its houses as the generator made them, roofs as rays meet
+// them. Right because neither knows a point of the scan.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "protocol/measure/vertices.hpp"
+#include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/measure/volume.hpp"
+#include "simulator/scenes/town.hpp"
+#include "tests/oracle/measure/town_truth.hpp"
+#include "tests/support/sized.hpp"
+
+namespace scancast::test {
+namespace {
+
+constexpr std::size_t measuredHouses = 6;
+
+class MeasuredTown : public ::testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        const SceneOptions scene{.scene = "town", .points = sized(1'500'000, 600'000)};
+        town_ = new RayCaster(RayCaster::create(scene).value());
+        const auto all = townHouses(*town_, pavementHeight);
+        for (std::size_t i = 0; i < measuredHouses; ++i)
+            houses().push_back(all[i * all.size() / measuredHouses]);
+        auto source = simulate(scene).value();
+        BuildOptions options;
+        options.title = "town";
+        cloud_ = new std::shared_ptr<const Cloud>(*buildCloud(*source, options));
+    }
+    static void TearDownTestSuite() {
+        delete cloud_;
+        delete town_;
+    }
+    static std::vector<TownHouse>& houses() {
+        static std::vector<TownHouse> list;
+        return list;
+    }
+    static MeasureRequest over(const TownHouse& house, MeasureKind kind) {
+        MeasureRequest request;
+        request.kind = kind;
+        request.points.assign(house.corners.begin(), house.corners.end());
+        return request;
+    }
+    static const Cloud& cloud() { return **cloud_; }
+    static const RayCaster& town() { return *town_; }
+
+  private:
+    static inline RayCaster* town_ = nullptr;
+    static inline std::shared_ptr<const Cloud>* cloud_ = nullptr;
+};
+
+TEST_F(MeasuredTown, VolumesOfHousesAreTrueToAHundredth) {
+    for (const TownHouse& house : houses()) {
+        const auto measured = measureVolume(cloud(), {}, over(house, MeasureKind::Volume));
+        ASSERT_TRUE(measured) << measured.error().message;
+        const TrueVolume truth = volumeByRays(town(), house.corners, house.corners[0].z, 0.1);
+        EXPECT_NEAR(measured->above, truth.above, 0.01 * truth.above);
+        EXPECT_NEAR(measured->area, house.area(), 1e-4 * house.area());
+        EXPECT_GT(measured->covered, 0.98 * measured->area);
+        EXPECT_NEAR(measured->below, 0, 0.001 * truth.above);
+        // What the generator put on the body - chimneys, dormers, tiles - is some hundredths more.
+        EXPECT_NEAR(measured->above, house.volume(), 0.04 * house.volume());
+        std::printf(
+            "house %.1f x %.1f m: %.1f m3, true %.1f (%+.2f %%), body %.1f; cell %.2f, holes %llu of %llu\n",
+            house.width, house.depth, measured->above, truth.above, 100 * (measured->above / truth.above - 1),
+            house.volume(), measured->cell, static_cast<unsigned long long>(measured->holes),
+            static_cast<unsigned long long>(measured->cells));
+    }
+}
+
+// A pick is the nearest point of the scan; two of them make a length. How far off a single one is depends on where a scanner's beams happened to
+// fall, so it is the median that is held against half the spacing, and nearly all that are against the whole.
+TEST_F(MeasuredTown, LengthsBetweenPicksAreTrueToHalfTheSpacing) {
+    std::vector<double> errors;
+    for (const Length& length : lengthsBetweenPicks(cloud(), town(), 200))
+        errors.push_back(std::abs(length.measured - length.truth));
+    ASSERT_EQ(errors.size(), 200U);
+    std::ranges::sort(errors);
+    EXPECT_LE(errors[100], 0.001 + cloud().spacing / 2);
+    EXPECT_LE(errors[190], 0.001 + 1.5 * cloud().spacing);
+}
+
+TEST_F(MeasuredTown, AreasOfFrontsAreTrueToAHundredth) {
+    double truth = 0, measured = 0;
+    for (const TownHouse& house : houses()) {
+        truth += house.width * (house.eaves - 0.3);
+        measured += frontArea(cloud(), house);
+    }
+    EXPECT_NEAR(measured, truth, 0.01 * truth);
+}
+
+}  // namespace
+}  // namespace scancast::test

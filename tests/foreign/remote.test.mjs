@@ -201,7 +201,6 @@ test('a tile of EPT that is missing, or another than it should be, is told and c
     assert.ok(stream.frames(0).some((frame) => frame.damaged));
     assert.ok(!stream.frames(0).some((frame) => frame.away), 'missing is not away');
     assert.match(far.server.log, new RegExp(`ept-data/${tiles[0]}\\.laz is missing.*coarser points are shown`));
-    assert.ok(metric(await far.metrics(), 'scancast_cloud_blocks_damaged_total') >= 2);
   } finally {
     stream?.close();
     await far.server.stop();

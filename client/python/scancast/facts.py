@@ -136,6 +136,8 @@ class CloudFacts:
     crs_wkt: str = ""
     crs_epsg: Optional[int] = None
     crs: Optional[Crs] = None
+    class_counts: Dict[int, int] = field(default_factory=dict)
+    class_colors: Dict[int, str] = field(default_factory=dict)
     json: Dict[str, Any] = field(default_factory=dict, repr=False)
 
 

@@ -246,6 +246,8 @@ class Methods:
     colors: List[str]
     colormaps: List[str]
     shadings: List[str]
+    ramps: Dict[str, List[str]] = field(default_factory=dict)
+    """Of each colour map the colours at even steps, from the least value to the greatest."""
 
     def __iter__(self) -> Iterator[Method]:
         return iter(self.methods)

@@ -33,9 +33,15 @@ render "$work/town.las" town
 render "$work/town.las" square --eye=-1,-15,2.2 --target=0,-8.6,2.4 --fov 60
 render "$work/town.las" intensity --color intensity --colormap viridis --shading eyedome
 
+# docs/clip.md.
+"$bin/scancast" generate town --points 5M -o "$work/town5.las"
+"$bin/scancast" render "$work/town5.las" -o "$root/docs/images/clip.jpg" --quality 80 --width 960 --height 400 --eye=389478,5819755,72 --target=389505,5819850,44 \
+    --fov 40 --clips='plane:389500,5819836,0,0,1,0;-box:389535,5819846,45,30,24,60,30'
+"$bin/scancast" render "$work/town5.las" -o "$root/docs/images/section.jpg" --quality 85 --width 960 --height 240 --clips='box:389500,5819800,50,240,0.6,60,20' \
+    --projection orthographic --view-height 24 --eye=389534,5819706,43 --target=389500,5819800,43 --background '#ffffff'
+
 # A profile, cut out by a server.
-"$bin/scancast" generate town --points 5M -o "$work/profile.las" --quiet
-"$bin/scancast" ingest "$work/profile.las" -o "$work/profile.scan" --quiet
+"$bin/scancast" ingest "$work/town5.las" -o "$work/profile.scan" --quiet
 "$bin/scancast" serve "$work/profile.scan" --port 18085 > /dev/null 2>&1 &
 server=$!
 until curl -sf http://127.0.0.1:18085/readyz > /dev/null; do sleep 0.2; done

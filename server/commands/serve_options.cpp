@@ -221,7 +221,7 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
                  "shading=phong need. Cloud files stay as they are")
         ->envname("SCANCAST_NO_SURFELS");
     app.add_flag("--native", options.native,
-                 "Show scans in COPC as they are, without ingest: at once, and points are read as views want "
+                 "Show scans in COPC and EPT as they are, without ingest: at once, and points are read as views want "
                  "them. Those behind URLs are always shown so")
         ->envname("SCANCAST_NATIVE");
     app.add_flag("--insecure", options.insecure,

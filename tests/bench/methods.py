@@ -16,7 +16,7 @@ Prints Markdown, ready for docs/performance.md:
           against the marks; a frame is everything from the view to the JPEG
   ratio   each method's time in this build over that in another (--before), on cloud files that both can read: one thread,
           what both draw without being asked left out, least of nine turns each, builds in turn. Below 1 is faster
-  clips   each method's time with shapes that cut (--clips) over that without, in turn: one turned box around everything; eight
+  clips   each method's processor time with shapes that cut (--clips) over that without, in turn: one turned box around everything; eight
           turned slabs that together keep everything, so that the picture is the same and each sample near one of their
           seven borders is looked at; eight turned boxes of a tenth of the cloud, spread over it, whose insides are taken away
 
@@ -31,6 +31,7 @@ import json
 import math
 import os
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -221,23 +222,36 @@ def shapes_around(low, high):
     return {"1 box": f"box:{x!r},{y!r},{z!r},{whole!r},{whole!r},{whole!r},{yaw}", "8 slabs": ";".join(slabs), "8 holes": ";".join(holes)}
 
 
-def clips(scancast, clouds):
+def frame_time(scancast, cloud, flags, few=3, many=43):
+    """Processor time of a frame without its encoding, ms: of `many` frames less that of `few`, which is what starting takes."""
+    taken, encode = [], 0
+    for frames in (few, many):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        stats = json.loads(output_of([scancast, "render", cloud, "--repeat", str(frames), "--orbit", "1", "--stats", "json", "--threads", "1", *flags]))
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        taken.append(1000 * (after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime))
+        encode = stage(stats, "encode")
+    return (taken[1] - taken[0]) / (many - few), encode
+
+
+def clips(scancast, clouds, turns=5):
     for cloud in clouds:
         look = json.loads(output_of([scancast, "look", cloud]))
         shapes = shapes_around(look["bounds"]["min"], look["bounds"]["max"])
-        flags = ["--threads", "1", "--shading", "unlit", "--light", "occlusion=0", *camera_flags(look["views"][0]["camera"])]
-        print(f"## Cut by shapes: {os.path.basename(cloud)}\n\nms of a picture, selecting included and encoding not; 1280 x 720, one sample a pixel, one "
-              f"thread, least of 9 turns.\n\n| method | not cut | {' | '.join(shapes)} |\n|---|---|{'---|' * len(shapes)}", flush=True)
+        flags = ["--width", "1280", "--height", "720", "--samples", "1", "--shading", "unlit", "--light", "occlusion=0",
+                 *camera_flags(look["views"][0]["camera"])]
+        print(f"## Cut by shapes: {os.path.basename(cloud)}\n\nProcessor time of a frame, selecting included and encoding not; 1280 x 720, one sample a pixel, "
+              f"one thread, least of {turns} turns.\n\n| method | not cut | {' | '.join(shapes)} |\n|---|---|{'---|' * len(shapes)}", flush=True)
         for method in METHODS:
-            taken = {name: [] for name in ["", *shapes]}
-            for _ in range(9):
+            taken, encode = {name: [] for name in ["", *shapes]}, []
+            for _ in range(turns):
                 for name, times in taken.items():
                     cut = ["--clips=" + shapes[name]] if name else []
-                    stats = turn(scancast, cloud, method, frames=3, flags=[*flags, *cut])
-                    times.append(sum(s["medianMs"] for s in stats["stages"] if s["name"] not in ("encode", "provide")))
-            plain = min(taken.pop(""))
-            row = [f"{plain:.1f} ms"] + [f"{min(times) / plain:.2f} ({min(times):.1f} ms)" for times in taken.values()]
-            print(f"| `{method}` | {' | '.join(row)} |", flush=True)
+                    ms, encoding = frame_time(scancast, cloud, ["--method", method, *flags, *cut])
+                    times.append(ms)
+                    encode.append(encoding)
+            plain, *cut = [min(times) - min(encode) for times in taken.values()]
+            print(f"| `{method}` | {plain:.1f} ms | {' | '.join(f'{ms / plain:.2f} ({ms:.1f} ms)' for ms in cut)} |", flush=True)
         print()
 
 

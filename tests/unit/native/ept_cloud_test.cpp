@@ -80,10 +80,11 @@ TEST_P(EptCloud, ShowsWhatCopcOfTheSameVoxelsDoes) {
         ASSERT_EQ(a->size(), b->size());
         if (hasGrid) {
             EXPECT_EQ(std::memcmp(a->data(), b->data(), a->size() * sizeof(Sample)), 0) << i;
-            if (i % 16 != 0 || !(*ept)->nodes()[i].node.isLeaf()) continue;
+            if (i % 16 != 0 || !(*ept)->nodes()[i].node.isLeaf() || a->empty()) continue;
             const auto point = (*ept)->point(i, *a, a->size() / 2),
                        its = (*same)->point(i, *b, a->size() / 2);
-            ASSERT_TRUE(point && its);
+            ASSERT_TRUE(point) << point.error().message;
+            ASSERT_TRUE(its) << its.error().message;
             EXPECT_EQ(point->position, its->position);
             EXPECT_EQ(point->precision, its->precision);
             if (GetParam() != Kind::Laszip) continue;

@@ -90,6 +90,18 @@ scancast_package(dev scancast-dev "client library of the point cloud server Scan
 Headers, an example, and what find_package(scancast) needs."
   PACKAGE_DEPENDS "libscancast-client0.1 (= ${PROJECT_VERSION}-1), nlohmann-json3-dev, libglm-dev, libexpected-dev"
   PACKAGE_SECTION libdevel)
+install(DIRECTORY client/python/scancast DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
+  PATTERN __pycache__ EXCLUDE)
+install(FILES client/python/README.md client/python/examples/three_pictures.py client/python/examples/first_steps.ipynb
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/python3-scancast" COMPONENT python EXCLUDE_FROM_ALL)
+scancast_package(python python3-scancast "Python client of the point cloud server Scancast
+Pictures, depth, points and live views of scanned point clouds on a server, as
+bytes and NumPy arrays, and in notebooks."
+  PACKAGE_DEPENDS "python3 (>= 3.9)"
+  PACKAGE_RECOMMENDS "python3-numpy, python3-pil"
+  PACKAGE_SECTION python
+  PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${debian}/python/postinst" "${debian}/python/prerm")
 scancast_package(doc scancast-doc "documents of the point cloud server Scancast
 What the methods compute, how they look, how fast they are."
   PACKAGE_SECTION doc

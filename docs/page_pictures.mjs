@@ -60,6 +60,13 @@ await take('presentation', wide, `cloud=${first}`, async (page) => {
   }
   await page.keyboard.press('h');
 });
+await take('plan', { viewport: { width: 960, height: 660 } }, `cloud=${first}&color=classification`, async (page) => {
+  for (const key of ['7', 'g', 'n']) await page.keyboard.press(key);
+  await page.waitForFunction(() => document.querySelector('#minimap img').naturalWidth > 0, undefined, { timeout: 30_000 });
+  await page.waitForTimeout(600); // the flight
+  await page.mouse.move(430, 250);
+  await page.mouse.wheel(0, -320);
+}, 66);
 await take('tablet', { ...tablet, colorScheme: 'light' }, `cloud=${last}`);
 await take('phone', phone, `cloud=${last}`);
 

@@ -40,6 +40,15 @@ render "$work/town.las" intensity --color intensity --colormap viridis --shading
 "$bin/scancast" render "$work/town5.las" -o "$root/docs/images/section.jpg" --quality 85 --width 960 --height 240 --clips='box:389500,5819800,50,240,0.6,60,20' \
     --projection orthographic --view-height 24 --eye=389534,5819706,43 --target=389500,5819800,43 --background '#ffffff'
 
+# A profile, cut out by a server.
+"$bin/scancast" ingest "$work/town5.las" -o "$work/profile.scan" --quiet
+"$bin/scancast" serve "$work/profile.scan" --port 18085 > /dev/null 2>&1 &
+server=$!
+until curl -sf http://127.0.0.1:18085/readyz > /dev/null; do sleep 0.2; done
+"$bin/scancast-client" profile http://127.0.0.1:18085/ -o "$root/docs/images/profile.png" --width 1 --picture-width 1280 --point-size 2 \
+    --exaggeration 1.5 --background '#ffffff' --line '389405,5819738;389480,5819760;389530,5819760'
+kill "$server"
+
 # Geoffrey Marchal's statue of Guanyin (CC BY 4.0), where it is at hand.
 if [ -e "$scans/ply/guanyin-statue.ply" ]; then
     render "$scans/ply/guanyin-statue.ply" statue --eye=0.35,0.72,1.65 --target=0,0.62,0 --up=0,1,0 --fov 60

@@ -1,9 +1,10 @@
 // Where a scan or a picture is written: a file that appears under its name only when it is complete, or
-// standard output. Owner: a point writer, a command; one thread.
+// standard output, or whoever takes it. Owner: a point writer, a command; one thread.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,10 @@ class OutputFile {
     /// is not finished is removed again. Devices and pipes are written in place. Errors: Io, with the
     /// system's reason; ResourceLimit where there is no more room.
     static Expected<OutputFile> create(const std::string& path, Readers readers = Readers::AsUsual);
+    /// No file: everything is handed to `take`, in its order, about a megabyte at a time, and ends with the last of it. Not
+    /// seekable. `take` may refuse.
+    using Take = std::function<Expected<void>(std::span<const std::byte>)>;
+    static OutputFile to(Take take);
     OutputFile(OutputFile&&) = default;
     OutputFile& operator=(OutputFile&&) = delete;
 
@@ -42,6 +47,7 @@ class OutputFile {
     UnfinishedName temporary_;  ///< none for what is written in place
     UniqueFd owned_;            ///< none for standard output
     int file_ = -1;
+    Take take_;  ///< in place of a file
     bool seekable_ = false;
     std::vector<std::byte> buffer_;
     std::uint64_t written_ = 0;

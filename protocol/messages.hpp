@@ -141,6 +141,9 @@ struct Stats {
     std::string method;
     std::string methodReason;  ///< why this one, where the view says auto; else empty
     bool away = false;         ///< as in the frame's header
+    std::string color{};       ///< what it is coloured by: where the view says auto, what that came to
+    std::string colormap{};    ///< the ramp of that, where it takes one of colormapNames
+    std::optional<std::array<double, 2>> range{};  ///< the values at its ends; null where there are none
     bool operator==(const Stats&) const = default;
 };
 

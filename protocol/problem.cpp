@@ -130,6 +130,8 @@ std::string_view reasonPhrase(int status) {
             return "Service Unavailable";
         case 504:
             return "Gateway Timeout";
+        case 505:
+            return "HTTP Version Not Supported";
         default:
             return "Unknown";
     }

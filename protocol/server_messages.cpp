@@ -74,6 +74,12 @@ Expected<ServerMessage> readStats(FieldReader& fields) {
     fields.text("method", stats.method);
     fields.text("methodReason", stats.methodReason);
     fields.flag("away", stats.away);
+    fields.text("color", stats.color);
+    fields.text("colormap", stats.colormap);
+    if (fields.findValue("range")) {
+        std::array<double, 2> range{};
+        if (fields.numbers("range", range)) stats.range = range;
+    }
     eachEntry(fields, "stages", 64, [&](const json& item) {
         auto& stage = stats.stages.emplace_back();
         FieldReader entry(item, "stages", ErrorCode::Malformed);
@@ -163,6 +169,9 @@ json print(const Stats& stats) {
             {"method", stats.method},
             {"methodReason", stats.methodReason},
             {"away", stats.away},
+            {"color", stats.color},
+            {"colormap", stats.colormap},
+            {"range", stats.range ? json(*stats.range) : json()},
             {"stages", stages}};
 }
 

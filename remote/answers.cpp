@@ -9,6 +9,7 @@ namespace scancast {
 namespace {
 
 constexpr std::size_t longestValue = 1024;
+constexpr std::string_view noSuchObject = "there is no such object";
 
 std::string_view trimmed(std::string_view text) {
     const auto isBlank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; };
@@ -66,7 +67,7 @@ RequestFault faultOf(const AnswerHead& head, std::string_view body, bool isOpen)
     } else if (head.status >= 300 && head.status < 400) {
         fault.text += ", a redirection that is not followed";
     } else if (head.status == 404 || head.status == 410) {
-        fault.text += ": there is no such object";
+        fault.text.append(": ").append(noSuchObject);
     } else if (head.status == 401 || head.status == 403) {
         fault.text += ": that is not allowed with these credentials, or not any more";
     }
@@ -74,6 +75,10 @@ RequestFault faultOf(const AnswerHead& head, std::string_view body, bool isOpen)
 }
 
 }  // namespace
+
+bool RequestFault::isMissing() const {
+    return kind == Kind::Refused && text.ends_with(noSuchObject);
+}
 
 std::optional<ContentRange> parseContentRange(std::string_view text) {
     ContentRange range;

@@ -55,6 +55,9 @@ struct RequestFault {
     Kind kind = Kind::Unreachable;
     std::string text;                             ///< half a sentence, without a URL: "it answered 503"
     std::optional<std::chrono::seconds> after{};  ///< when the server wants to be asked again
+
+    /// The server is there, and the object is not: 404, 410.
+    bool isMissing() const;
 };
 
 /// The state of the object where the answer brings `bytes` bytes from `first` on, or as many as there are; `expected` is the

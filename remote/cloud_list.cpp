@@ -45,7 +45,7 @@ bool hasScheme(std::string_view word) {
 /// Whether it may be meant as a cloud's: sentences, which servers answer as well, are not.
 bool isOfCloud(std::string_view word) {
     const std::string_view path = word.substr(0, word.find('?'));
-    return path.ends_with(".scan") || path.ends_with(".laz") ||
+    return path.ends_with(".scan") || path.ends_with(".laz") || path.ends_with("/ept.json") ||
            (hasScheme(word) && word.find(' ') == word.npos);
 }
 
@@ -89,7 +89,7 @@ Expected<std::vector<std::string>> parseCloudList(std::string_view text) {
         words.emplace_back(line);
     }
     if (!words.empty() && std::ranges::none_of(words, isOfCloud))
-        return malformed("no line of it is a URL, or a name that ends with .scan or .laz");
+        return malformed("no line of it is a URL, or a name that ends with .scan, .laz or /ept.json");
     return words;
 }
 

@@ -12,7 +12,7 @@
 namespace scancast {
 
 /// The words, in their order. Text: blank lines and those that begin with # say nothing. JSON: an array of texts, or an object whose
-/// "clouds" is one. Malformed for a page of HTML, for text without any line that is a URL or ends with .scan or .laz (a proxy's apology), for JSON
+/// "clouds" is one. Malformed for a page of HTML, for text without any line that is a URL or ends with .scan, .laz or /ept.json (a proxy's apology), for JSON
 /// of another kind; and for nothing at all, which a file is while it is being written: a list that is to be empty has a comment in it, or is [].
 Expected<std::vector<std::string>> parseCloudList(std::string_view text);
 

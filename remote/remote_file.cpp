@@ -41,6 +41,7 @@ RemoteFile::RemoteFile(std::shared_ptr<RemoteCommons> commons, std::shared_ptr<c
       shown_(access->shown),
       access_(std::move(access)),
       state_(std::move(state)),
+      took_(took),
       key_(pieceKey(identity, state_)),
       reserved_(beyondShare(*commons_)),
       pace_(commons_->pace, took) {
@@ -380,6 +381,36 @@ std::shared_ptr<const ObjectAccess> RemoteFile::currentAccess() const {
 void RemoteFile::signAnew(std::shared_ptr<const ObjectAccess> access) {
     const Monitor::Lock lock(monitor_);
     access_ = std::move(access);
+}
+
+void RemoteFile::lost(const RequestFault& fault) {
+    bool isAbsence = false, isFirst = false;
+    milliseconds delay{0};
+    {
+        const Monitor::Lock lock(monitor_);
+        isAbsence = fault.kind != RequestFault::Kind::Stopped && !away_ && !changed_;
+        isFirst = isAbsence && !backOff_;
+        if (isAbsence) {
+            delay = backOff(fault);
+            goAway(fault);
+        }
+    }
+    if (isFirst) tellOfAbsence(fault);
+    if (isAbsence) probe(delay);
+}
+
+void RemoteFile::came() {
+    bool isBack = false;
+    {
+        const Monitor::Lock lock(monitor_);
+        isBack = !away_ && std::exchange(backOff_, std::nullopt).has_value();
+    }
+    if (isBack) note(fmt::format("{} can be fetched again.", shown()));
+}
+
+Error RemoteFile::absence() const {
+    const Monitor::Look look(monitor_);
+    return unavailable().value();
 }
 
 bool RemoteFile::changed() const {

@@ -72,6 +72,14 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     void signAnew(std::shared_ptr<const ObjectAccess> access);
     /// It has been replaced by another: found out by the way, or by look().
     bool changed() const;
+    /// Who fetches something else from the same place got nothing: as if this had not been to be had.
+    void lost(const RequestFault& fault);
+    /// Who fetches something else from the same place got it.
+    void came();
+    /// Why nothing can be had now: Unavailable.
+    Error absence() const;
+    /// What its first piece took to come.
+    std::chrono::nanoseconds firstTook() const { return took_; }
     /// Asks whether it is what it was, in the background; what comes of it changes changed() and isAway().
     void look();
 
@@ -129,6 +137,7 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     const std::string shown_;
     std::shared_ptr<const ObjectAccess> access_;  // guarded by monitor_
     const ObjectState state_;
+    const std::chrono::nanoseconds took_;
     const std::string key_;                       // of its pieces on disk
     const std::shared_ptr<const void> reserved_;  // beyond its share
 

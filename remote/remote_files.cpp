@@ -28,7 +28,7 @@ Error errorOf(const RequestFault& fault, const std::string& shown) {
     ErrorCode code = ErrorCode::Unavailable;
     if (fault.kind == RequestFault::Kind::Unsuitable) code = ErrorCode::Unsupported;
     if (fault.kind == RequestFault::Kind::Refused)
-        code = fault.text.find("no such object") != std::string::npos ? ErrorCode::NotFound : ErrorCode::Io;
+        code = fault.isMissing() ? ErrorCode::NotFound : ErrorCode::Io;
     return {code, shown + ": " + fault.text, {}};
 }
 
@@ -98,13 +98,34 @@ Expected<std::shared_ptr<RemoteFile>> RemoteFiles::open(const RemoteUrl& url) {
     return file;
 }
 
+Expected<std::shared_ptr<RemoteFolder>> RemoteFiles::around(const RemoteUrl& url,
+                                                            std::shared_ptr<RemoteFile> description) {
+    if (url.isPresigned())
+        return fail(ErrorCode::InvalidArgument,
+                    url.shown() +
+                        ": a presigned URL is for one object, and this one describes many; give s3:// "
+                        "with credentials in the environment, or a URL that needs none");
+    auto shared = commons();
+    if (!shared) return passOn(std::move(shared));
+    auto folder = RemoteFolder::create(std::move(*shared), std::move(description), url, options_.environment);
+    const std::lock_guard lock(mutex_);
+    std::erase_if(folders_, [](const auto& one) { return one.second.expired(); });
+    folders_.emplace(url.identity(), folder);
+    return folder;
+}
+
 void RemoteFiles::signAnew(const RemoteUrl& url) {
     auto access = accessTo(url, options_.environment);
     if (!access) return;
     const auto object = std::make_shared<const ObjectAccess>(std::move(*access));
-    std::vector<std::shared_ptr<RemoteFile>>
-        files;  // the last who has one does not let go of it under the lock
+    // The last who has one does not let go of it under the lock.
+    std::vector<std::shared_ptr<RemoteFile>> files;
+    std::vector<std::shared_ptr<RemoteFolder>> folders;
     const std::lock_guard lock(mutex_);
+    const auto [firstFolder, endOfFolders] = folders_.equal_range(url.identity());
+    for (auto one = firstFolder; one != endOfFolders; ++one)
+        if (auto folder = one->second.lock()) folders.push_back(std::move(folder));
+    for (const auto& folder : folders) folder->signAnew(url);
     const auto [first, end] = open_.equal_range(url.identity());
     for (auto one = first; one != end; ++one)
         if (auto file = one->second.lock()) files.push_back(std::move(file));

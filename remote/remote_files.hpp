@@ -13,6 +13,7 @@
 
 #include "remote/access.hpp"
 #include "remote/remote_file.hpp"
+#include "remote/remote_folder.hpp"
 #include "remote/remote_url.hpp"
 
 namespace scancast {
@@ -57,6 +58,9 @@ class RemoteFiles {
     /// InvalidArgument for credentials; NotFound; Unavailable for what may pass; Unsupported for a server that sends no parts;
     /// Io for one that refuses, and for the folder.
     Expected<std::shared_ptr<RemoteFile>> open(const RemoteUrl& url);
+    /// What lies beside an object that was opened by this URL, and describes them. InvalidArgument for a URL that is signed for it alone.
+    Expected<std::shared_ptr<RemoteFolder>> around(const RemoteUrl& url,
+                                                   std::shared_ptr<RemoteFile> description);
     /// What is open of the object that it names goes on with this signature: an old one ends some time.
     void signAnew(const RemoteUrl& url);
     /// All of what is there, `most` bytes at most, unless it still has the ETag `unless`; nothing is kept of it, and nothing is tried
@@ -76,8 +80,9 @@ class RemoteFiles {
                                    const std::string& unless);
 
     const RemoteOptions options_;
-    mutable std::mutex mutex_;                                    // guards what follows
-    std::multimap<std::string, std::weak_ptr<RemoteFile>> open_;  // by what their URLs name
+    mutable std::mutex mutex_;                                         // guards what follows
+    std::multimap<std::string, std::weak_ptr<RemoteFile>> open_;       // by what their URLs name
+    std::multimap<std::string, std::weak_ptr<RemoteFolder>> folders_;  // by their descriptions' URLs
     std::shared_ptr<RemoteCommons> commons_;
     bool stopping_ = false;
     struct Changes;

@@ -57,7 +57,7 @@ std::string percentDecoded(std::string_view text) {
 }
 
 /// Who signs a URL signs it anew each time: what a bucket calls the object is the same.
-bool isPresigned(std::string_view query) {
+bool isSigned(std::string_view query) {
     return query.find("X-Amz-Signature=") != query.npos || query.find("X-Goog-Signature=") != query.npos;
 }
 
@@ -164,9 +164,28 @@ Expected<RemoteUrl> RemoteUrl::parseHttp(std::string_view text, Scheme scheme) {
     std::ranges::transform(host, host.begin(), lowered);
     url.whole_ = std::string(name) + host + std::string(behind);
     url.shown_ = std::string(name) + host + std::string(path);
-    url.identity_ = isPresigned(query) ? url.shown_ : url.whole_;
+    url.identity_ = isSigned(query) ? url.shown_ : url.whole_;
     url.name_ = percentDecoded(lastComponent(path));
     return url;
+}
+
+std::string RemoteUrl::folderName() const {
+    const std::size_t host = shown_.find('/', shown_.find("://") + 3), end = shown_.rfind('/');
+    if (host == shown_.npos || end == host) return {};
+    const std::string name = lastComponent(std::string_view(shown_).substr(0, end));
+    return scheme_ == Scheme::S3 ? name : percentDecoded(name);
+}
+
+bool RemoteUrl::isPresigned() const {
+    return scheme_ != Scheme::S3 && isSigned(std::string_view(whole_).substr(shown_.size()));
+}
+
+Expected<RemoteUrl> RemoteUrl::beside(std::string_view name) const {
+    const auto isOfNames = [](char c) { return (isPlain(c) && c != '~') || c == '/'; };
+    if (name.empty() || name.front() == '/' || name.find("..") != name.npos ||
+        !std::ranges::all_of(name, isOfNames))
+        return refused(shown_, "what lies beside it has a name of letters, digits, -._ and slashes");
+    return parse(shown_.substr(0, shown_.rfind('/') + 1) + std::string(name) + whole_.substr(shown_.size()));
 }
 
 }  // namespace scancast

@@ -33,6 +33,13 @@ class RemoteUrl {
     /// Of s3://BUCKET/KEY; empty otherwise.
     const std::string& bucket() const { return bucket_; }
     const std::string& key() const { return key_; }
+    /// The name of the folder that it lies in, empty where that is the host or bucket: "town" of …/town/ept.json.
+    std::string folderName() const;
+    /// Signed for this object alone, by its query.
+    bool isPresigned() const;
+    /// What lies beside it, or beneath the folder that it is in, with the same query: `name` of letters, digits, -._ and slashes.
+    /// InvalidArgument for any other, and where the URL gets too long.
+    Expected<RemoteUrl> beside(std::string_view name) const;
     /// Names the object however its URL is signed.
     const std::string& identity() const { return identity_; }
 

@@ -36,6 +36,8 @@ FrameStats statsOf(const PreparedView& prepared, double provideMs, std::span<con
     stats.method = prepared.planned->method;
     stats.methodReason = prepared.planned->reason;
     stats.color = prepared.planned->colorName;
+    stats.colormap = prepared.planned->colormap;
+    stats.colorRange = prepared.planned->colorRange;
     stats.exposure = prepared.planned->exposure;
     stats.device = std::move(device);
     return stats;

@@ -277,6 +277,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->reason = chosen->reason;
     planned->viewpoint = *viewpoint;
     planned->colorName = colorWord(style);
+    planned->colormap = style.colormap;
+    planned->colorRange = rampEnds(cloud, style, *viewpoint);
     planned->exposure = *style.exposure;
     planned->color = *color;
     planned->filter = sampleFilter(cloud, view.style);

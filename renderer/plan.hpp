@@ -4,6 +4,7 @@
 // draw.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -25,7 +26,9 @@ struct PlannedView {
     Viewpoint viewpoint;
     PassList passes;
     std::string colorName;  ///< what `color` is made of, as the word says it: "rgb*intensity"
-    double exposure = 0;    ///< of rgb, stops
+    std::string colormap;   ///< which ramp it takes, where it takes one
+    std::optional<std::array<double, 2>> colorRange;  ///< what the ramp's ends stand for (rampEnds())
+    double exposure = 0;                              ///< of rgb, stops
     ColorRule color;
     SampleFilter filter;
     SelectOptions selection;

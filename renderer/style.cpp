@@ -91,7 +91,8 @@ std::array<double, 2> curvatureRange(const CloudFacts& cloud) {
     return {-most, most};
 }
 
-std::array<double, 2> naturalRange(const Cloud& cloud, ColorSource source, const Viewpoint& viewpoint) {
+std::optional<std::array<double, 2>> naturalRange(const Cloud& cloud, ColorSource source,
+                                                  const Viewpoint& viewpoint) {
     switch (source) {
         case ColorSource::Intensity:
             return intensityRange(cloud);
@@ -102,7 +103,7 @@ std::array<double, 2> naturalRange(const Cloud& cloud, ColorSource source, const
         case ColorSource::Depth:
             return depthRange(cloud, viewpoint);
         default:
-            return {0, 1};
+            return std::nullopt;
     }
 }
 
@@ -127,7 +128,7 @@ Expected<std::array<Rgb8, 256>> rampOf(const Style& style) {
 }
 
 void setRange(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint, ColorRule& rule) {
-    const auto range = style.range.value_or(naturalRange(cloud, style.color, viewpoint));
+    const auto range = rampEnds(cloud, style, viewpoint).value_or(std::array{0.0, 1.0});
     rule.low = range[0];
     // A range of no width (one value everywhere) is drawn in the ramp's first colour instead of dividing by
     // zero.
@@ -203,6 +204,12 @@ Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const View
     setTone(style, rule);
     if (style.byIntensity) rule.byIntensity = intensityFactors(cloud);
     return rule;
+}
+
+std::optional<std::array<double, 2>> rampEnds(const Cloud& cloud, const Style& style,
+                                              const Viewpoint& viewpoint) {
+    const auto natural = naturalRange(cloud, style.color, viewpoint);
+    return natural && style.range ? style.range : natural;
 }
 
 SampleFilter sampleFilter(const Cloud& cloud, const Style& style) {

@@ -19,6 +19,11 @@ Style decidedStyle(const Cloud& cloud, Style style);
 /// colour map or range that does not exist.
 Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint);
 
+/// The values that have the first and the last colour of a decided style's ramp, in file coordinates: what the style says, or what
+/// suits the cloud - and, where the colour is depth, the viewpoint. Nullopt where the colour has no ramp between two values.
+std::optional<std::array<double, 2>> rampEnds(const Cloud& cloud, const Style& style,
+                                              const Viewpoint& viewpoint);
+
 /// What the style leaves of the cloud: its classes, what lies in its clip box and in its shapes, and nothing behind
 /// mirrors unless it says so.
 SampleFilter sampleFilter(const Cloud& cloud, const Style& style);

@@ -35,7 +35,8 @@ ApiOptions apiOptions(const ServerOptions& options) {
             options.scheduler.memory,
             options.adminListen ? options.adminListen->host : std::string(),
             options.tls.given() ? strictTransport(options.hstsSeconds) : std::string(),
-            options.ranks};
+            options.ranks,
+            {.guestsMayExport = options.guestsMayExport}};
 }
 
 class RunningServer final : public ScancastServer {

@@ -45,6 +45,7 @@ struct ServerOptions {
     std::shared_ptr<KeptClouds> kept;     ///< in which scans are kept, if any are; for /metrics
     std::shared_ptr<RemoteFiles> remote;  ///< that clouds behind URLs are read by; for /metrics
     std::function<RanksStats()> ranks;    ///< that draw, if any do; for /metrics
+    bool guestsMayExport = false;         ///< get points, not pictures alone
     std::filesystem::path dataRoot;       ///< whose files administrators may add; empty = none
     std::size_t maxClouds = 256;          ///< at most in the catalog, by administrators
 };

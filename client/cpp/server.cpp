@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "client/cpp/http_get.hpp"
+#include "protocol/json_fields.hpp"
 #include "protocol/json_text.hpp"
+#include "protocol/text/plain_text.hpp"
 #include "protocol/view/view.hpp"
 
 namespace scancast::client {
@@ -73,6 +76,35 @@ std::string cloudPath(const std::string& id) {
     return std::string(cloudsPath) + "/" + word.substr(0, word.size() - 1);
 }
 
+/// A list of strings (RFC 8941); what is none of them is left out.
+std::vector<std::string> listOf(std::string_view text) {
+    std::vector<std::string> list;
+    bool inside = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (text[i] == '"') {
+            inside = !inside;
+            if (inside) list.emplace_back();
+            continue;
+        }
+        if (!inside) continue;
+        if (text[i] == '\\' && i + 1 < text.size()) ++i;
+        list.back() += text[i];
+    }
+    return list;
+}
+
+PointsAnswer answerOf(const StreamedAnswer& streamed) {
+    PointsAnswer answer{.bytes = streamed.bytes};
+    const std::string said = streamed.header("Scancast-Points");
+    std::uint64_t points = 0;
+    const auto read = std::from_chars(said.data(), said.data() + said.size(), points);
+    if (!said.empty() && read.ec == std::errc() && read.ptr == said.data() + said.size())
+        answer.points = points;
+    for (std::string& loss : listOf(streamed.header("Scancast-Losses")))
+        answer.losses.push_back(plainLine(loss));
+    return answer;
+}
+
 bool startsWith(const std::vector<std::uint8_t>& bytes, std::initializer_list<std::uint8_t> magic) {
     return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
 }
@@ -112,6 +144,47 @@ Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& 
                     url_.authority() + " answered with a Scancast-Damaged that is no number");
     return Snapshot{std::move(answer->body), answer->etag,        answer->serverTiming, false, damaged,
                     answer->method,          answer->methodReason};
+}
+
+Expected<PointsAnswer> Server::points(const std::string& cloud, const PointsRequest& request,
+                                      const TakeBytes& take) const {
+    const auto answer = httpPostStreamed(url_, cloudPath(cloud) + "/points", printJson(toJson(request)), {},
+                                         credentials_, timeouts_, take);
+    if (!answer) return passOn(answer);
+    return answerOf(*answer);
+}
+
+Expected<PointsAnswer> Server::profile(const std::string& cloud, const ProfileRequest& request,
+                                       const TakeBytes& take) const {
+    const auto answer = httpPostStreamed(url_, cloudPath(cloud) + "/profile", printJson(toJson(request)), {},
+                                         credentials_, timeouts_, take);
+    if (!answer) return passOn(answer);
+    return answerOf(*answer);
+}
+
+Expected<ProfileFacts> Server::profilePicture(const std::string& cloud, const ProfileRequest& request,
+                                              const TakeBytes& take) const {
+    ProfileRequest drawn = request;
+    drawn.format.reset();
+    const auto answer = httpPostStreamed(url_, cloudPath(cloud) + "/profile", printJson(toJson(drawn)),
+                                         "image/png", credentials_, timeouts_, take);
+    if (!answer) return passOn(answer);
+    const auto malformed = [&](const std::string& why) {
+        return fail(ErrorCode::Malformed, url_.authority() + " does not say what its profile shows (" + why +
+                                              "); is it a Scancast server?");
+    };
+    const auto value = parseJson(answer->header("Scancast-Profile"));
+    if (!value) return malformed(value.error().message);
+    ProfileFacts facts;
+    FieldReader fields(*value, {}, ErrorCode::Malformed);
+    for (const auto& [name, to] :
+         {std::pair("length", &facts.length), std::pair("left", &facts.left),
+          std::pair("right", &facts.right), std::pair("bottom", &facts.bottom), std::pair("top", &facts.top)})
+        if (fields.require(name) != nullptr) fields.number(name, *to);
+    fields.numbers("heights", facts.heights);
+    fields.integer("points", facts.points, 0, std::numeric_limits<std::uint64_t>::max());
+    if (auto ok = fields.finishLenient(); !ok) return malformed(ok.error().message);
+    return facts;
 }
 
 Expected<nlohmann::json> Server::pick(const std::string& cloud, const nlohmann::json& view, double x,

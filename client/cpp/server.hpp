@@ -4,15 +4,19 @@
 // made from any thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/cpp/credentials.hpp"
+#include "client/cpp/http_stream.hpp"
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/timeouts.hpp"
 #include "protocol/catalog.hpp"
 #include "protocol/measure/measure_request.hpp"
+#include "protocol/points/points_request.hpp"
 #include "protocol/view/query.hpp"
 
 namespace scancast::client {
@@ -28,6 +32,21 @@ struct Snapshot {
     std::uint64_t damaged = 0;   ///< blocks of the cloud that it lacks, because they cannot be read
     std::string method{};        ///< that drew it; empty of a server that does not say
     std::string methodReason{};  ///< why this one, where the view left it to auto; else empty
+};
+
+/// What a server said of the points that it gave away.
+struct PointsAnswer {
+    std::uint64_t bytes = 0;
+    std::optional<std::uint64_t> points{};  ///< where it knew that when it began
+    std::vector<std::string> losses{};      ///< what is not as the scan was, one sentence each without an end
+};
+
+/// What a profile's picture shows: its edges, and what is in it. File units.
+struct ProfileFacts {
+    double length = 0;  ///< of the line
+    double left = 0, right = 0, bottom = 0, top = 0;
+    std::array<double, 2> heights{};  ///< of its points, lowest and highest
+    std::uint64_t points = 0;
 };
 
 class Server {
@@ -54,6 +73,17 @@ class Server {
                                   double y) const;
     /// Lengths, areas, volumes, fitted shapes, as PROTOCOL.md, "A measurement", has them.
     Expected<nlohmann::json> measure(const std::string& cloud, const MeasureRequest& request) const;
+
+    /// The points of a region, as a file's bytes: `take` gets them as they come, in the memory of one piece. Truncated where
+    /// they break off; what take refuses with.
+    Expected<PointsAnswer> points(const std::string& cloud, const PointsRequest& request,
+                                  const TakeBytes& take) const;
+    /// The same of the corridor along a line; the request's format is not a picture.
+    Expected<PointsAnswer> profile(const std::string& cloud, const ProfileRequest& request,
+                                   const TakeBytes& take) const;
+    /// Its picture, a PNG.
+    Expected<ProfileFacts> profilePicture(const std::string& cloud, const ProfileRequest& request,
+                                          const TakeBytes& take) const;
 
   private:
     ServerUrl url_;

@@ -46,6 +46,15 @@ set(SCANCAST_WEB_FILES
     page/overlays.js
     page/parameter_fields.js
     page/photos.js
+    page/plan/class_list.js
+    page/plan/grid.js
+    page/plan/legend.js
+    page/plan/lengths.js
+    page/plan/minimap.js
+    page/plan/on_picture.js
+    page/plan/scale_bar.js
+    page/plan/svg.js
+    page/plan/view_cube.js
     page/presentation.js
     page/progress.js
     page/scan_facts.js
@@ -54,6 +63,7 @@ set(SCANCAST_WEB_FILES
     page/strings.js
     page/strings/clip.js
     page/strings/measure.js
+    page/strings/plan.js
     page/themes.js
     page/thumbnails.js
     page/tools.js
@@ -66,6 +76,7 @@ set(SCANCAST_WEB_FILES
     styles/measure.css
     styles/panel.css
     styles/photos.css
+    styles/plan.css
     styles/rail.css
     styles/state.css
     styles/style.css

@@ -12,6 +12,8 @@ import { Address, Undo } from './page/history.js';
 import { Hud } from './page/hud.js';
 import { Layout } from './page/layout.js';
 import { LoadingNote } from './page/loading_note.js';
+import { ClassList } from './page/plan/class_list.js';
+import { OnPicture } from './page/plan/on_picture.js';
 import { Overlays } from './page/overlays.js';
 import { Photos } from './page/photos.js';
 import { asksToPresent, Presentation } from './page/presentation.js';
@@ -80,6 +82,8 @@ const clipping = new Clipping(viewer, (isActive) => {
 });
 const galleries = new Galleries(viewer, () => controls);
 const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
+const onPicture = new OnPicture(viewer);
+const classes = new ClassList((word) => viewer.changeStyle({ classes: word }));
 const stations = new Stations(viewer.server, (station) => {
   viewer.goToPlace(station.view.camera);
   photos.at(station);
@@ -119,6 +123,7 @@ on('cloud', (cloud) => {
   offerClipping(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
+  classes.show(viewer.view, cloud);
   showLoading();
   showMethod();
   stations.show(cloud);
@@ -127,6 +132,7 @@ on('cloud', (cloud) => {
 on('view', ({ by }) => {
   if (by !== 'hand') {
     controls.show(viewer.view, viewer.cloud);
+    classes.show(viewer.view, viewer.cloud);
     showMethod();
   }
   address.changed();
@@ -146,6 +152,7 @@ on('frame', (frame) => {
 on('unreadable', () => overlays.toast(strings.messages.unreadable, strings.messages.unreadableDetail));
 on('stats', (stats) => {
   chosen.told(stats, viewer.cloud);
+  controls.told(stats);
   showMethod();
   hud.stats(stats);
 });
@@ -300,6 +307,7 @@ const shortcuts = {
   f: () => viewer.showStandardView('fit'), Home: () => viewer.showStandardView('first'),
   1: () => viewer.showStandardView('top'), 2: () => viewer.showStandardView('front'), 3: () => viewer.showStandardView('side'),
   4: () => viewer.showStandardView('back'), 5: () => viewer.showStandardView('left'), 6: () => viewer.showStandardView('bottom'),
+  7: () => onPicture.togglePlan(), g: () => onPicture.toggle('grid'), n: () => onPicture.toggle('minimap'),
   Enter: (event) => viewer.goToMiddle(event.shiftKey),
   c: toggleColliding, l: () => setLooking(!viewer.looksAround), o: () => viewer.toggleProjection(), p: () => layout.toggle(), '?': () => overlays.toggleHelp(),
 };
@@ -311,7 +319,7 @@ addEventListener('keydown', (event) => {
   const tool = rail.withKey(key);
   if ((!Object.hasOwn(shortcuts, key) && !tool) || !(isForView(event) || closesHelp)) return;
   event.preventDefault(); // a menu that has the focus would go to its next entry of that letter
-  if (presentation.isOn && ['p', 'v', 'm', 'x'].includes(key)) return; // what they open is not there
+  if (presentation.isOn && ['p', 'v', 'm', 'x', 'n'].includes(key)) return; // what they open is not there
   if (tool) rail.activate(tool);
   else shortcuts[key](event);
 });

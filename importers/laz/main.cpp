@@ -10,8 +10,9 @@
 #include <string_view>
 
 #include "files/machine.hpp"
+#include "importers/chunk_service.hpp"
 #include "importers/in_order.hpp"
-#include "importers/laz/chunk_service.hpp"
+#include "importers/laz/laz_chunk.hpp"
 #include "importers/laz/laz_import.hpp"
 #include "threads/guarded.hpp"
 
@@ -47,7 +48,7 @@ int main(int argc, char** argv) {
         "--keep-attributes");  // what it knows of points besides is in their records, whether it is wanted or not
     const bool recover = given("--recover");
     if (given("--chunks") && argc == first && isatty(STDOUT_FILENO) == 0)
-        return import_laz::serveChunks(STDIN_FILENO, STDOUT_FILENO) ? 0 : 1;
+        return serveChunks(STDIN_FILENO, STDOUT_FILENO, import_laz::decodeChunk) ? 0 : 1;
     if (argc != first + 1 || argv[first][0] == '-' || isatty(STDOUT_FILENO) != 0) {
         std::fputs(
             "scancast-import-laz [--keep-attributes] [--recover] FILE > POINTS\n"

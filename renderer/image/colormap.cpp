@@ -122,16 +122,16 @@ const Ramp& curvatureColors() {
 
 const Ramp& levelColors() {
     static const Ramp colors = [] {
-        constexpr std::array<Rgb8, 10> cycle{{{230, 80, 70},
-                                              {240, 150, 60},
-                                              {240, 215, 80},
-                                              {140, 200, 80},
-                                              {70, 190, 160},
-                                              {70, 160, 225},
-                                              {95, 105, 215},
-                                              {165, 95, 205},
-                                              {225, 110, 175},
-                                              {200, 200, 200}}};
+        constexpr std::array<Rgb8, levelCycle> cycle{{{230, 80, 70},
+                                                      {240, 150, 60},
+                                                      {240, 215, 80},
+                                                      {140, 200, 80},
+                                                      {70, 190, 160},
+                                                      {70, 160, 225},
+                                                      {95, 105, 215},
+                                                      {165, 95, 205},
+                                                      {225, 110, 175},
+                                                      {200, 200, 200}}};
         Ramp ramp;
         for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = cycle[i % cycle.size()];
         return ramp;

@@ -17,7 +17,8 @@ std::optional<Ramp> colormap(std::string_view name);
 const Ramp& classificationColors();
 /// From hollow to convex: blue, the grey of what is flat, red.
 const Ramp& curvatureColors();
-/// One clearly different colour per octree level.
+/// One clearly different colour per octree level; after so many levels they begin again.
+inline constexpr std::size_t levelCycle = 10;
 const Ramp& levelColors();
 
 }  // namespace scancast

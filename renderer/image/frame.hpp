@@ -4,7 +4,9 @@
 // be copied, encoded and dropped on any thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,7 +38,9 @@ struct FrameStats {
     std::string method, device;
     std::string methodReason;  ///< why this method, where the request said auto
     std::string color;         ///< what it is coloured by, also where the request said auto
-    double exposure = 0;       ///< of rgb, stops; the same
+    std::string colormap;      ///< by which ramp, where that takes one
+    std::optional<std::array<double, 2>> colorRange;  ///< the values at its ends, in file coordinates
+    double exposure = 0;                              ///< of rgb, stops; the same
     /// Adds to the stage of that name, or appends it.
     void add(std::string_view stage, double milliseconds);
 };

@@ -1,11 +1,13 @@
 #include "server/base/native_cloud.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <array>
 
-#include "renderer/cloud/copc/copc_cloud.hpp"
-#include "renderer/cloud/copc/copc_layout.hpp"
+#include "renderer/cloud/native/copc/copc_cloud.hpp"
+#include "renderer/cloud/native/copc/copc_layout.hpp"
+#include "renderer/cloud/native/ept/ept_cloud.hpp"
 #include "renderer/look/decide_look.hpp"
 
 namespace scancast {
@@ -17,6 +19,22 @@ std::optional<Look> lookOf(const std::shared_ptr<const Cloud>& upper) {
     return look ? std::optional(std::move(*look)) : std::nullopt;
 }
 
+NativeCloudOptions optionsOf(NativeName name, const NativeOpening& opening, std::vector<Mirror> mirrors) {
+    NativeCloudOptions options{.name = std::move(name.name),
+                               .title = std::move(name.title),
+                               .identity = std::move(name.identity),
+                               .surfels = opening.surfels,
+                               .memory = opening.memory,
+                               .crs = opening.crs,
+                               .mirrors = std::move(mirrors)};
+    if (opening.look) options.look = lookOf;
+    return options;
+}
+
+std::shared_ptr<ChunkDecoders> decodersOf(const NativeOpening& opening) {
+    return opening.decoders ? opening.decoders : ChunkDecoders::create({});
+}
+
 }  // namespace
 
 bool canBeNative(const RandomReader& reader) {
@@ -25,35 +43,42 @@ bool canBeNative(const RandomReader& reader) {
     return got && isCopc(std::span<const std::byte>(start).first(*got));
 }
 
-bool isCopcFile(const InputFile& file) {
+bool canBeNative(const ScanInput& input) {
+    if (input.octree()) return input.file().name().filename() == eptDescriptionName;
     std::array<std::byte, copcStartBytes> start{};
-    const auto got = file.readAt(0, start);
+    const auto got = input.file().readAt(0, start);
     return got && isCopc(std::span<const std::byte>(start).first(*got));
 }
 
-Expected<std::shared_ptr<const CloudFile>> openNative(std::unique_ptr<RandomReader> reader,
-                                                      const std::filesystem::path& name,
-                                                      const std::string& identity,
+Expected<std::shared_ptr<const CloudFile>> openNative(std::unique_ptr<RandomReader> reader, NativeName name,
                                                       const NativeOpening& opening,
                                                       std::vector<Mirror> mirrors) {
-    NativeCloudOptions options{.name = name,
-                               .title = name.filename().string(),
-                               .identity = identity,
-                               .surfels = opening.surfels,
-                               .memory = opening.memory,
-                               .crs = opening.crs,
-                               .mirrors = std::move(mirrors)};
-    if (opening.look) options.look = lookOf;
-    return openCopc(std::move(reader), opening.decoders ? opening.decoders : ChunkDecoders::create({}),
-                    std::move(options));
+    return openCopc(std::move(reader), decodersOf(opening),
+                    optionsOf(std::move(name), opening, std::move(mirrors)));
 }
 
-Expected<std::shared_ptr<const CloudFile>> openNative(InputFile file, const NativeOpening& opening,
+Expected<std::shared_ptr<const CloudFile>> openNative(std::shared_ptr<const FolderReader> files,
+                                                      NativeName name, const NativeOpening& opening,
                                                       std::vector<Mirror> mirrors) {
-    const std::filesystem::path name = file.name();
-    const FileIdentity identity = file.identity();
-    return openNative(readerOf(std::move(file)), name, fmt::format("{} {}", identity.bytes, identity.changed),
-                      opening, std::move(mirrors));
+    return openEpt(std::move(files), decodersOf(opening),
+                   optionsOf(std::move(name), opening, std::move(mirrors)));
+}
+
+Expected<std::shared_ptr<const CloudFile>> openNative(const ScanInput& input, const NativeOpening& opening) {
+    auto mirrors = input.mirrors();
+    if (!mirrors) return passOn(std::move(mirrors));
+    const FileIdentity identity = input.file().identity();
+    NativeName name{input.path(), input.path().filename().string(),
+                    fmt::format("{} {}", identity.bytes, identity.changed)};
+    if (const InputFolder* octree = input.octree()) {
+        auto folder =
+            InputFolder::adopt(UniqueFd(::fcntl(octree->descriptor(), F_DUPFD_CLOEXEC, 0)), octree->name());
+        if (!folder) return passOn(std::move(folder));
+        return openNative(readerOf(std::move(*folder)), std::move(name), opening, std::move(*mirrors));
+    }
+    auto file = input.file().share();
+    if (!file) return passOn(std::move(file));
+    return openNative(readerOf(std::move(*file)), std::move(name), opening, std::move(*mirrors));
 }
 
 }  // namespace scancast

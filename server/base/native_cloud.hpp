@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "files/folder_reader.hpp"
 #include "files/random_reader.hpp"
-#include "renderer/cloud/copc/chunk_decoders.hpp"
-#include "renderer/cloud/copc/gathered_points.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/assumed_crs.hpp"
+#include "renderer/cloud/import/scan_input.hpp"
+#include "renderer/cloud/native/chunk_decoders.hpp"
+#include "renderer/cloud/native/gathered_points.hpp"
 
 namespace scancast {
 
@@ -25,21 +27,30 @@ struct NativeOpening {
     bool look = true;                          ///< decided
 };
 
-/// Whether it is a scan that can be shown as it is: COPC. Waits for its first bytes; what cannot be read is none.
+/// Whether it is a scan that can be shown as it is, in one file: COPC. Waits for its first bytes; what cannot be read is none.
 bool canBeNative(const RandomReader& reader);
 
-/// The same of a file of this machine.
-bool isCopcFile(const InputFile& file);
+/// Whether something of this machine is: COPC, or EPT.
+bool canBeNative(const ScanInput& input);
 
-/// `name` is what messages call it; `mirrors` stand beside it; `identity`: which state of it this is, as its ETag. Errors: those of openCopc().
-Expected<std::shared_ptr<const CloudFile>> openNative(std::unique_ptr<RandomReader> reader,
-                                                      const std::filesystem::path& name,
-                                                      const std::string& identity,
+/// Which one it is.
+struct NativeName {
+    std::filesystem::path name;  ///< what messages call it
+    std::string title;           ///< for people
+    std::string identity;        ///< which state of it this is, as its ETag
+};
+
+/// Errors: those of openCopc().
+Expected<std::shared_ptr<const CloudFile>> openNative(std::unique_ptr<RandomReader> reader, NativeName name,
                                                       const NativeOpening& opening,
                                                       std::vector<Mirror> mirrors = {});
 
-/// The same of a file of this machine.
-Expected<std::shared_ptr<const CloudFile>> openNative(InputFile file, const NativeOpening& opening,
+/// A set of EPT. Errors: those of openEpt().
+Expected<std::shared_ptr<const CloudFile>> openNative(std::shared_ptr<const FolderReader> files,
+                                                      NativeName name, const NativeOpening& opening,
                                                       std::vector<Mirror> mirrors = {});
+
+/// Either of this machine, with its mirrors; one that canBeNative().
+Expected<std::shared_ptr<const CloudFile>> openNative(const ScanInput& input, const NativeOpening& opening);
 
 }  // namespace scancast

@@ -1,4 +1,4 @@
-// A cloud file behind a URL, or a scan in COPC, opened: for commands, and for the loader and its watch, who have to know the object, too. Waits for
+// A cloud file behind a URL, a scan in COPC, or a set of EPT by its ept.json, opened: for commands, and for the loader and its watch, who have to know the object, too. Waits for
 // the network. Free function; any thread. Place: URL → **cloud file** → residency.
 #pragma once
 
@@ -12,9 +12,12 @@
 namespace scancast {
 
 struct RemoteCloud {
-    std::shared_ptr<RemoteFile> object;
+    std::shared_ptr<RemoteFile> object;  ///< of EPT, the description
     std::shared_ptr<const CloudFile> file;
 };
+
+/// What people call it: the file, "town.scan"; of EPT, whose description is called alike everywhere, the folder that it lies in.
+std::string titleOf(const RemoteUrl& url);
 
 /// A cloud file, or a scan that is shown as it is. Messages name it without its query. Errors: those of RemoteUrl::parse(), RemoteFiles::open(),
 /// CloudFile::open() and openNative().

@@ -201,16 +201,18 @@ void CloudWatch::lookAt(Watched& one) {
                                                         : entry->cloud != one.cloud.lock()));
     if (one.isOver || one.building) return;
     if (one.served.remote) return lookAtRemote(one);
+    std::optional<ScanInput> found;
     auto file = [&]() -> Expected<InputFile> {
         if (one.served.kept) return InputFile::open(*one.served.kept);
         auto input = ScanInput::open(one.served.place);
         if (!input) return passOn(input);
-        return input->file().share();
+        found = std::move(*input);
+        return found->file().share();
     }();
     if (file) {
         one.unfound = false;
         if (file->identity() != one.served.identity)
-            changed(one, std::move(*file));
+            changed(one, std::move(*file), found && canBeNative(*found) ? &*found : nullptr);
         else
             one.pending = {};
     } else if (!std::exchange(one.unfound, true) && !one.refused) {
@@ -232,11 +234,10 @@ void CloudWatch::lookAtRemote(Watched& one) {
     one.building = options_.rebuild && options_.rebuild(one.served, one.cloud.lock());
 }
 
-void CloudWatch::changed(Watched& one, InputFile file) {
+void CloudWatch::changed(Watched& one, InputFile file, const ScanInput* scan) {
     const FileIdentity identity = file.identity();
     if (identity == one.told) return;
-    const bool isScan = !one.served.kept && isCopcFile(file);
-    auto opened = isScan ? openNative(std::move(file), options_.native) : CloudFile::open(std::move(file));
+    auto opened = scan ? openNative(*scan, options_.native) : CloudFile::open(std::move(file));
     if (opened) return serveAgain(one, identity, std::move(*opened));
     // Somebody may be writing it.
     if (identity != one.pending) {

@@ -99,7 +99,8 @@ class CloudWatch {
     void lookAtAll();
     void lookAt(Watched& one);
     void lookAtRemote(Watched& one);
-    void changed(Watched& one, InputFile file);
+    /// `scan`: what it describes, where that can be shown as it is.
+    void changed(Watched& one, InputFile file, const ScanInput* scan);
     void notWhole(Watched& one, const FileIdentity& identity, const Error& error);
     void serveAgain(Watched& one, const FileIdentity& identity, std::shared_ptr<const CloudFile> file);
     bool showInstead(Watched& one, std::shared_ptr<const Cloud> cloud);

@@ -1,5 +1,7 @@
 #include "server/catalog/describe.hpp"
 
+#include <fmt/format.h>
+
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
@@ -66,13 +68,40 @@ nlohmann::json pendingJson(const CatalogEntry& entry) {
     return json;
 }
 
-/// Of the classes that occur: {"2": "ground", …}.
-nlohmann::json classNamesJson(const Cloud& cloud) {
-    nlohmann::json names = nlohmann::json::object();
-    if (!cloud.attributes.classification) return names;
-    for (std::size_t c = 0; c < cloud.classCounts.size(); ++c)
-        if (cloud.classCounts[c] > 0) names[std::to_string(c)] = className(std::uint8_t(c));
-    return names;
+std::string hexText(const Rgb8& color) {
+    return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]);
+}
+
+/// Of the classes that occur: {"2": "ground", …}, and in the same way how many points they have, and in which colour
+/// they are drawn.
+void tellClasses(const Cloud& cloud, nlohmann::json& json) {
+    for (const char* key : {"classNames", "classCounts", "classColors"}) json[key] = nlohmann::json::object();
+    if (!cloud.attributes.classification) return;
+    for (std::size_t c = 0; c < cloud.classCounts.size(); ++c) {
+        if (cloud.classCounts[c] == 0) continue;
+        const std::string number = std::to_string(c);
+        json["classNames"][number] = className(std::uint8_t(c));
+        json["classCounts"][number] = cloud.classCounts[c];
+        json["classColors"][number] = hexText(classificationColors()[c]);
+    }
+}
+
+/// Colours at even steps along a ramp, the first and the last among them.
+nlohmann::json rampJson(const Ramp& ramp) {
+    constexpr std::size_t step = 15;  // 18 of 256: no eye sees more of them in a legend
+    nlohmann::json colors = nlohmann::json::array();
+    for (std::size_t i = 0; i < ramp.size(); i += step) colors.push_back(hexText(ramp[i]));
+    return colors;
+}
+
+/// {"viridis": ["#440154", …], …}: of every colour map, and of what has its own; of lod, by level.
+nlohmann::json rampsJson() {
+    nlohmann::json ramps = nlohmann::json::object();
+    for (const std::string_view map : colormapNames) ramps[std::string(map)] = rampJson(*colormap(map));
+    ramps["curvature"] = rampJson(curvatureColors());
+    for (std::size_t level = 0; level < levelCycle; ++level)
+        ramps["lod"].push_back(hexText(levelColors()[level]));
+    return ramps;
 }
 
 nlohmann::json columnsJson(const Cloud& cloud) {
@@ -156,7 +185,7 @@ nlohmann::json cloudJson(const CatalogEntry& entry) {
     json["notes"] = entry.cloud->notes;
     json["stations"] = entry.cloud->stations.size();
     json["photos"] = entry.cloud->photos.size();
-    json["classNames"] = classNamesJson(*entry.cloud);
+    tellClasses(*entry.cloud, json);
     json["crsName"] = crsName(entry.cloud->crsWkt, entry.cloud->crsEpsg);
     json["crs"] = crsJson(*entry.cloud);
     json["crsUnit"] = crsUnit(entry.cloud->crsWkt, entry.cloud->crsEpsg);
@@ -247,6 +276,7 @@ nlohmann::json methodListJson() {
     json["colors"] = colorNames();
     json["colormaps"] = colormapNames;
     json["shadings"] = shadingNames;
+    json["ramps"] = rampsJson();
     return json;
 }
 

@@ -58,7 +58,7 @@ bool isRemote(const fs::path& file) {
 fs::path plainName(const fs::path& file) {
     if (!isRemote(file)) return file;
     const auto url = RemoteUrl::parse(file.native());
-    return url ? fs::path(url->name()) : fs::path("cloud");
+    return url ? fs::path(titleOf(*url)) : fs::path("cloud");
 }
 
 /// What it is known by: of a URL what it names, however that is signed.
@@ -554,13 +554,9 @@ Loader::Result Loader::openIn(Expected<InputFile> file, Job& job, bool kept) {
 
 /// Without ingest. Its own file is watched, as a cloud file is.
 Loader::Result Loader::openAsItIs(const ScanInput& input, Job& job) {
-    auto shared = input.file().share();
-    if (!shared) return passOn(std::move(shared));
-    WatchedFile watched{.id = job.id, .place = job.place, .identity = shared->identity()};
-    auto mirrors = input.mirrors();
-    if (!mirrors) return passOn(std::move(mirrors));
+    WatchedFile watched{.id = job.id, .place = job.place, .identity = input.file().identity()};
     const auto opening = options_.cache->reserve(bytesToOpenNative);
-    auto opened = openNative(std::move(*shared), native_, std::move(*mirrors));
+    auto opened = openNative(input, native_);
     if (!opened) return passOn(std::move(opened));
     watched.file = *opened;
     job.watched = watched;
@@ -570,7 +566,7 @@ Loader::Result Loader::openAsItIs(const ScanInput& input, Job& job) {
 
 Loader::Result Loader::cloudOf(const ScanInput& input, Job& job) {
     if (isCloudFile(input.file())) return openIn(input.file().share(), job, false);
-    if (options_.native && !input.octree() && isCopcFile(input.file())) return openAsItIs(input, job);
+    if (options_.native && canBeNative(input)) return openAsItIs(input, job);
     const std::string title = input.path().filename().string();
     const fs::path path = options_.kept ? keptPath(input, options_) : fs::path();
     if (options_.kept && !job.instead) {

@@ -55,7 +55,8 @@ void tellSize(const FileInfo& info, Lines& lines) {
     std::string size = byteSizeText(info.bytes);
     if (info.points && *info.points > 0 && info.bytes > 0)
         size += fmt::format(", {:.1f} bytes a point", double(info.bytes) / double(*info.points));
-    lines.add("size", size);
+    // Of many objects in object storage, nobody says how large they are.
+    if (info.bytes > 0) lines.add("size", size);
 }
 
 void tellPlace(const FileInfo& info, Lines& lines) {

@@ -71,7 +71,7 @@ void addLook(CLI::App& app, int& exitCode) {
                    "Choose the look again automatically, and store it in the cloud file")
         ->excludes(set);
     command->add_flag("--native", arguments->native,
-                      "Look at a scan in COPC as it is, without ingest: at its upper levels");
+                      "Look at a scan in COPC or EPT as it is, without ingest: at its upper levels");
     addAssumeCrs(*command, arguments->assumeCrs);
     command->callback([arguments, &exitCode] {
         if (auto done = runLook(*arguments); !done) {

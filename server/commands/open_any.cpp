@@ -47,14 +47,9 @@ Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const Op
 Expected<std::shared_ptr<const Cloud>> openAsItIs(const ScanInput& input, const OpenOptions& options) {
     const auto cache = blockCache(options);
     if (!cache) return passOn(cache);
-    auto shared = input.file().share();
-    if (!shared) return passOn(std::move(shared));
-    auto mirrors = input.mirrors();
-    if (!mirrors) return passOn(std::move(mirrors));
     auto crs = assumedCrs(options.assumeCrs);
     if (!crs) return passOn(crs);
-    auto file =
-        openNative(std::move(*shared), {.crs = *crs, .surfels = options.surfels}, std::move(*mirrors));
+    auto file = openNative(input, {.crs = *crs, .surfels = options.surfels});
     if (!file) return passOn(std::move(file));
     return openCloud(std::move(*file), *cache);
 }
@@ -123,10 +118,10 @@ Expected<std::shared_ptr<const Cloud>> openAny(const std::vector<std::string>& a
                     files.front());
             return openFile(*input, options);
         }
-        if (options.native && isCopcFile(input->file())) return openAsItIs(*input, options);
+        if (options.native && canBeNative(*input)) return openAsItIs(*input, options);
     }
     if (options.native)
-        tell("--native shows one scan in COPC as it is; what is named here is read as usual\n");
+        tell("--native shows one scan in COPC or EPT as it is; what is named here is read as usual\n");
     BuildOptions build;
     build.title = titleOf(arguments);
     build.threads = options.threads;

@@ -254,7 +254,7 @@ void addRender(CLI::App& app, int& exitCode) {
                       "and shading=phong need. Cloud files stay as they are");
     command->add_flag(
         "--native", arguments->native,
-        "Draw a scan in COPC as it is, without ingest: only the points that the picture wants are read");
+        "Draw a scan in COPC or EPT as it is, without ingest: only the points that the picture wants are read");
     addAssumeCrs(*command, arguments->assumeCrs);
     command->add_option("--stats", arguments->stats, "Print timings on standard output, as JSON")
         ->check(CLI::IsMember({"json"}));

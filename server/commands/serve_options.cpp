@@ -221,7 +221,7 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
                  "shading=phong need. Cloud files stay as they are")
         ->envname("SCANCAST_NO_SURFELS");
     app.add_flag("--native", options.native,
-                 "Show scans in COPC as they are, without ingest: at once, and points are read as views want "
+                 "Show scans in COPC and EPT as they are, without ingest: at once, and points are read as views want "
                  "them. Those behind URLs are always shown so")
         ->envname("SCANCAST_NATIVE");
     app.add_flag("--insecure", options.insecure,
@@ -238,6 +238,10 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "File with the keys that sign guest links (scancast guest-link), as scancast token prints them. The "
          "first one signs, all are accepted. Needs --auth-token-file")
         ->type_name("FILE");
+    app.add_flag(
+           "--guests-may-export", options.server.guestsMayExport,
+           "Guests get the points of their cloud, too - exports and profiles -, and not its pictures alone")
+        ->envname("SCANCAST_GUESTS_MAY_EXPORT");
     flag("--session-key-file", options.sessionKeyFile, "SCANCAST_SESSION_KEY_FILE",
          "File with the keys that sign the sessions' tokens, as scancast token prints them. Servers that "
          "share it "

@@ -6,6 +6,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/dispatch.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -295,11 +296,18 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     }
 
     void lookAfterClient(std::uint64_t request) {
-        if (unanswered_ != request) return;
+        if (unanswered_ != request && !body_) return;
         pollfd peer{stream_.tcp().socket().native_handle(), POLLRDHUP, 0};
         if (::poll(&peer, 1, 0) <= 0) return watchClient(request);
         unanswered_ = 0;
-        inHand_.left(0, "left");
+        breakOff("left");
+    }
+
+    // What was being made for him ends, and so does the connection: he sees that it was not all.
+    void breakOff(std::string_view why) {
+        inHand_.left(body_ ? body_->sent : 0, why);
+        body_.reset();
+        response_ = {};
         gone_.request_stop();
         close();
     }
@@ -328,6 +336,11 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         unanswered_ = 0;
         watch_.cancel();
         response_ = std::move(response);
+        if (response_.source && version_ < 11)
+            response_ = problemResponse(problemOf(505,
+                                                  "This is answered in chunks, which HTTP/1.0 does not know: "
+                                                  "without them nobody could see that an "
+                                                  "answer was cut short. Ask by HTTP/1.1."));
         context_.api.complete(request_, route, response_, entrance_);
         inHand_.record().status = response_.status;
         inHand_.record().route = route;
@@ -339,12 +352,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         keepAlive_ = keepAlive_ && !leaving_;
         const auto body = response_.body();
         texts_.resize(request_.body.size() + response_.text.size());
-        if (writing_.begin(stream_.tcp().socket().native_handle(), weak_from_this(),
-                           [this] { endSlowReader(); }))
-            stream_.tcp().expires_never();
-        else
-            stream_.tcp().expires_after(context_.limits.writeTimeout +
-                                        std::chrono::seconds(body.size() / 65536));
+        if (response_.source) return writeStreamed();
+        watchWriting(body.size());
         auto onWritten =
             handler([](HttpConnection& self, error_code ec, std::size_t n) { self.onWritten(ec, n); });
         const bool neverHasBody = response_.status == 304 || response_.status == 204;
@@ -363,6 +372,107 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         }
     }
 
+    void watchWriting(std::size_t bytes) {
+        if (writing_.begin(stream_.tcp().socket().native_handle(), weak_from_this(),
+                           [this] { endSlowReader(); }))
+            stream_.tcp().expires_never();
+        else
+            stream_.tcp().expires_after(context_.limits.writeTimeout + std::chrono::seconds(bytes / 65536));
+    }
+
+    // ---- an answer whose body is made while it is sent: a chunk for each part, the next one in the making
+
+    struct Body {
+        std::shared_ptr<BodySource> source;
+        std::shared_ptr<const BodyPart> now, next;  ///< being written; waiting for that
+        std::string head, tail;                     ///< around `now`
+        bool writing = false;
+        std::uint64_t sent = 0;
+    };
+
+    void writeStreamed() {
+        bodyless_.emplace(http::int_to_status(unsigned(response_.status)), version_);
+        fill(*bodyless_);
+        bodyless_->chunked(true);
+        headSerializer_.emplace(*bodyless_);
+        body_ = std::make_shared<Body>();
+        body_->source = std::move(response_.source);
+        body_->writing = true;
+        watchClient(requests_);
+        watchWriting(0);
+        http::async_write_header(
+            stream_, *headSerializer_,
+            handler([](HttpConnection& self, error_code ec, std::size_t n) { self.onPartWritten(ec, n); }));
+        askForPart();
+    }
+
+    void askForPart() {
+        body_->source->next(
+            [self = shared_from_this(), request = requests_](Expected<std::shared_ptr<const BodyPart>> part) {
+                asio::post(self->stream_.get_executor(), [self, request, part = std::move(part)]() mutable {
+                    onBehalfOf(*self, [&] {
+                        if (self->body_ && self->requests_ == request) self->onPart(std::move(part));
+                    });
+                });
+            });
+    }
+
+    void onPart(Expected<std::shared_ptr<const BodyPart>> part) {
+        if (!part) {
+            reportFault(part.error());
+            return breakOff("broken off: what it comes from could not be read");
+        }
+        body_->next = std::move(*part);
+        if (!body_->writing) writePart();
+    }
+
+    void writePart() {
+        Body& body = *body_;
+        body.now = std::exchange(body.next, nullptr);
+        const std::size_t bytes = body.now->bytes.size();
+        body.head = bytes > 0 ? fmt::format("{:x}\r\n", bytes) : "";
+        body.tail = bytes > 0 ? "\r\n" : "";
+        if (body.now->last) {
+            body.tail += "0\r\n";
+            for (const auto& [name, value] : body.now->trailers) body.tail += name + ": " + value + "\r\n";
+            body.tail += "\r\n";
+        } else {
+            askForPart();
+        }
+        body.writing = true;
+        watchWriting(bytes);
+        asio::async_write(
+            stream_,
+            std::array<asio::const_buffer, 3>{asio::buffer(body.head), asio::buffer(body.now->bytes),
+                                              asio::buffer(body.tail)},
+            handler([kept = body_](HttpConnection& self, error_code ec, std::size_t n) {
+                self.onPartWritten(ec, n);
+            }));
+    }
+
+    void onPartWritten(error_code ec, std::size_t bytes) {
+        writing_.end();
+        if (!body_) return;
+        body_->sent += bytes;
+        if (ec) return breakOff("left");
+        body_->writing = false;
+        if (body_->now && body_->now->last) return onStreamed();
+        body_->now.reset();
+        if (body_->next) writePart();
+    }
+
+    void onStreamed() {
+        watch_.cancel();
+        inHand_.answered(body_->sent);
+        body_.reset();
+        headSerializer_.reset();
+        bodyless_.reset();
+        response_ = {};
+        texts_.resize(0);
+        if (keepAlive_) return readHead();
+        closeGently();
+    }
+
     template <class Message>
     void fill(Message& message) {
         message.result(unsigned(response_.status));
@@ -375,6 +485,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     void endSlowReader() {
         context_.metrics.slowReaderEnded();
         std::ignore = contained("The request log", [this] { inHand_.record().note = "read too slowly"; });
+        gone_.request_stop();
+        body_.reset();
         close();
     }
 
@@ -434,6 +546,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     HttpResponse response_;  // kept while it is written: the messages below point into it
     std::optional<http::response<http::span_body<const char>>> message_;
     std::optional<http::response<http::empty_body>> bodyless_;
+    std::optional<http::response_serializer<http::empty_body>> headSerializer_;
+    std::shared_ptr<Body> body_;  // kept by its write, too, which may be under way when it is broken off
 };
 
 }  // namespace

@@ -487,6 +487,9 @@ void StreamSession::sendStats(const Order& order, const EncodedPicture& picture,
     stats.method = picture.stats.method;
     stats.methodReason = picture.stats.methodReason;
     stats.away = picture.stats.away;
+    stats.color = picture.stats.color;
+    stats.colormap = picture.stats.colormap;
+    stats.range = picture.stats.colorRange;
     for (const StageTime& stage : picture.stats.stages)
         stats.stages.push_back({stage.name, stage.milliseconds});
     port_.sendText(printMessage(stats));

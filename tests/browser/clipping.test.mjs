@@ -70,6 +70,19 @@ describe('cutting', { timeout: 120_000 }, () => {
     assert.equal(await page.evaluate(() => JSON.stringify(document.getElementById('view').viewer.camera)), camera, 'the camera has moved');
   });
 
+  it('a half-space moves along its normal, and is turned over', async () => {
+    await page.keyboard.press('x');
+    await page.click('#clip-add-plane');
+    const [{ plane }] = await isSaid((clips) => clips[0].plane.normal[2] === -1, 'what is below');
+    await drag(await placeOf(plane.point), await placeOf([plane.point[0], plane.point[1], plane.point[2] - 2]));
+    await isSaid((clips) => close([clips[0].plane.point[2]], [plane.point[2] - 2]) && clips[0].plane.point[0] === plane.point[0], 'it went down by 2');
+    await page.click('#clip-list [data-key=flip-0]');
+    await isSaid((clips) => clips[0].plane.normal[2] === 1, 'the other side');
+    await page.fill('#clip-list input[aria-label="Normal X"]', '0.5');
+    await page.keyboard.press('Enter');
+    await isSaid((clips) => clips[0].plane.normal[0] === 0.5, 'a normal');
+  });
+
   it('fields say all of it, for keys; eight are the most; and nothing again', async () => {
     await withBox();
     await page.selectOption('#clip-list select', 'outside');

@@ -16,7 +16,7 @@ const lying = { viewport: { width: 844, height: 390 }, hasTouch: true, isMobile:
 
 const named = [{
   ...clouds[0], title: 'A ring of stones', attribution: 'Society of Ring Walkers, CC BY 4.0', recorded: '2024-05-13', classes: [2, 6],
-  classNames: { 2: 'ground', 6: 'building' }, attributes: [{ name: 'rgb' }, { name: 'classification' }, { name: 'intensity', range: [0, 255] }],
+  classNames: { 2: 'ground', 6: 'building' }, classCounts: { 2: 1_000_000, 6: 234_567 }, classColors: { 2: '#a1794e', 6: '#cb5c4a' }, attributes: [{ name: 'rgb' }, { name: 'classification' }, { name: 'intensity', range: [0, 255] }],
   look: { up: [0, 0, 1], views: [{ name: 'from the south', inside: false, camera: clouds[0].view.camera }, { name: 'top', inside: false, camera: { ...clouds[0].view.camera, eye: [0, -1, 40] } }] },
 }, clouds[1]];
 
@@ -68,6 +68,9 @@ describe('the looks of the page', { timeout: 170_000 }, () => {
       await page.evaluate(() => { for (const id of ['all-methods', 'tuning', 'hud']) document.getElementById(id).open = true; });
       await page.click('#about summary');
       assert.deepEqual(await findings(), [], 'the panel');
+      for (const key of ['7', 'g', 'n']) await page.keyboard.press(key);
+      await page.waitForFunction(() => document.querySelector('#minimap img').naturalWidth > 0 && document.querySelector('#plan-grid text'));
+      assert.deepEqual(await findings(), [], 'a plan');
       await choose(page, '#color', 'elevation');
       await page.click('#tool-views');
       assert.deepEqual(await findings(), [], 'the gallery');

@@ -121,6 +121,29 @@ describe('measuring', { timeout: 150_000 }, () => {
     }
   }));
 
+  it('a volume over a base is the server\'s, of the points that are there', () => withPage(async (page) => {
+    await page.keyboard.press('m');
+    await chooseKind(page, 'volume');
+    for (const point of [at(8, 2), at(16, 2), at(16, 9), at(8, 9)]) {
+      const count = page.picks.length;
+      await click(page, point);
+      await isTrue(() => page.picks.length > count, 'a pick');
+    }
+    await page.keyboard.press('Enter');
+    const value = () => page.waitForFunction(() => {
+      const text = document.querySelector('#measure-list .name b')?.textContent;
+      return text ? { text } : undefined;
+    }).then((found) => found.jsonValue()).then(({ text }) => Number(text));
+    assert.ok(Math.abs(await value()) < 0.01, 'the ground itself');
+    await page.selectOption('#measure-list select', 'height');
+    await page.fill('#measure-list input[type=number]', String(courtOrigin[2] - 2));
+    await page.keyboard.press('Enter');
+    await page.waitForFunction(() => Number(document.querySelector('#measure-list .name b')?.textContent) > 100);
+    const found = await value();
+    assert.ok(Math.abs(found - 8 * 7 * 2) <= 0.01 * 8 * 7 * 2, `${found} instead of 112`);
+    assert.ok((await measures(page))[0].option === courtOrigin[2] - 2);
+  }));
+
   it('sticks to the scan while the camera moves, between frames as well; the cursor\'s coordinates are told', () => withPage(async (page) => {
     const spot = await placeOf(page, at(6, 6));
     await page.mouse.move(spot.x, spot.y);

@@ -131,6 +131,11 @@ class Packages(unittest.TestCase):
             self.assertIn(f"Inst {name} ", self.install(name, simulate=True))
         self.install("libscancast-client0.1", "scancast-dev")
         self.assertIn("libscancast-client.so.0.1", self.inside("ldconfig", "-p"))
+        self.install("python3-scancast")
+        self.assertEqual("MissingLibrary\n", self.inside("python3", "-c", "import scancast\ntry: scancast.DepthPicture(b'', 0, 0).array()\n"
+                                                        "except scancast.MissingLibrary as error: print(type(error).__name__)"))
+        self.inside("apt-get", "remove", "-y", "python3-scancast")
+        self.assertFalse(self.there("usr/lib/python3/dist-packages/scancast"))
 
     def test_6_removed_it_leaves_its_settings_and_purged_nothing(self):
         self.inside("mkdir", "-p", "/var/cache/scancast/kept")

@@ -3,7 +3,7 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { chmodSync, copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
+import { chmodSync, copyFileSync, existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -11,6 +11,7 @@ import { after, before, test } from 'node:test';
 import WebSocket from 'ws';
 
 import { RealServer } from '../browser/support/real_server.mjs';
+import { writeEptOfCopc } from '../support/ept_of_copc.mjs';
 import { Line } from '../support/line.mjs';
 import { comesTrue, hasNginx, run, startNginx, startS3 } from './support/object_storage.mjs';
 
@@ -148,6 +149,124 @@ test('COPC is served through a line that is cut and mended', { skip: skipCopc },
     line.mend();
     await far.server.stop();
   }
+});
+
+// ---- sets of EPT, where they lie
+
+/** In FOLDER/web/sets/NAME; how many points each tile has. */
+const makeSet = (name) => writeEptOfCopc(copc, join(folder, 'web/sets', name));
+const tilesOf = (name) => readdirSync(join(folder, 'web/sets', name, 'ept-data'));
+
+test('EPT is shown from where it lies as COPC of the same voxels is, from nginx and from S3', { skip: skipCopc }, async () => {
+  makeSet('lion');
+  const file = join(folder, 'lion.png');
+  const same = await run(['render', copc, '--native', '-o', file, ...picture]);
+  assert.equal(same.code, 0, same.said);
+  const expected = readFileSync(file);
+  const local = await run(['render', join(folder, 'web/sets/lion'), '--native', '-o', file, ...picture]);
+  assert.equal(local.code, 0, local.said);
+  assert.ok(readFileSync(file).equals(expected), 'a local set');
+  assert.ok((await pictureOf(`${nginx.plain}/sets/lion/ept.json`)).equals(expected), 'by http');
+  const trusted = { SSL_CERT_FILE: join(folder, 'certificate/cert.pem') };
+  assert.ok((await pictureOf(`${nginx.secure}/sets/lion/ept.json?of=all`, trusted)).equals(expected), 'by HTTP/2 under TLS');
+  assert.match(readFileSync(join(folder, 'logs/access.log'), 'utf8'), /GET \/sets\/lion\/ept-data\/0-0-0-0\.laz\?of=all HTTP\/2\.0" 200/);
+  for (const name of ['ept.json', 'ept-hierarchy/0-0-0-0.json', ...tilesOf('lion').map((tile) => `ept-data/${tile}`)])
+    await s3.put(join(folder, 'web/sets/lion', name), `sets/lion/${name}`);
+  assert.ok((await pictureOf('s3://scans/sets/lion/ept.json', s3.environment)).equals(expected), 'by s3');
+  const told = await run(['info', '--json', '--check', '--quiet', `${nginx.plain}/sets/lion/ept.json`]);
+  assert.equal(told.code, 0, told.said);
+  const [info] = JSON.parse(told.said).files;
+  assert.equal(info.points, 341_989);
+  assert.match(info.format, /EPT 1\.1\.0, laszip/);
+});
+
+test('a tile of EPT that is missing, or another than it should be, is told and costs itself', { skip: skipCopc }, async () => {
+  const points = makeSet('holes');
+  const tiles = [...points.keys()].filter((key) => key.startsWith('1-'));
+  const tileAt = (key) => join(folder, `web/sets/holes/ept-data/${key}.laz`);
+  rmSync(tileAt(tiles[0]));
+  copyFileSync(tileAt('0-0-0-0'), tileAt(tiles[1]));
+  const told = await run(['info', '--json', '--check', '--quiet', `${nginx.plain}/sets/holes/ept.json`]);
+  assert.equal(told.code, 1);
+  assert.match(told.said, new RegExp(`its file ept-data/${tiles[0]}\\.laz is missing`));
+  assert.match(told.said, new RegExp(`its file ept-data/${tiles[1]}\\.laz: it holds [0-9,]+ points; its hierarchy says`));
+  const far = await served([`${nginx.plain}/sets/holes/ept.json`]);
+  let stream;
+  try {
+    await comesTrue(() => fetch(new URL('readyz', far.url)).then((got) => got.ok), 'the server is ready');
+    const clouds = await (await fetch(new URL('api/v1/clouds', far.url))).json();
+    assert.equal(clouds.clouds[0].id, 'holes');
+    stream = new Stream(far.url, { cloud: 'holes' });
+    await stream.final(0);
+    assert.ok(stream.frames(0).some((frame) => frame.damaged));
+    assert.ok(!stream.frames(0).some((frame) => frame.away), 'missing is not away');
+    assert.match(far.server.log, new RegExp(`ept-data/${tiles[0]}\\.laz is missing.*coarser points are shown`));
+    assert.ok(metric(await far.metrics(), 'scancast_cloud_blocks_damaged_total') >= 2);
+  } finally {
+    stream?.close();
+    await far.server.stop();
+  }
+});
+
+test('EPT through a line that is cut is coarser and away, and whole when it is mended', { skip: skipCopc }, async () => {
+  makeSet('far');
+  const far = await served([`http://127.0.0.1:${line.port}/sets/far/ept.json`]);
+  let stream;
+  try {
+    await comesTrue(() => fetch(new URL('readyz', far.url)).then((got) => got.ok), 'the server is ready');
+    line.cut();
+    stream = new Stream(far.url, {});
+    await comesTrue(() => stream.frames(0).length > 1, 'frames');
+    await comesTrue(() => stream.frames(0).at(-1).away, 'a frame that says why it is coarser');
+    await comesTrue(async () => metric(await far.metrics(), 'scancast_remote_clouds_away') === 1, 'the cloud is away');
+    assert.ok(!stream.frames(0).some((frame) => frame.final), 'coarser points are no final picture');
+    line.mend();
+    await stream.final(0);
+    assert.ok(!stream.frames(0).some((frame) => frame.damaged));
+    assert.deepEqual(stream.messages.filter(({ type }) => ['problem', 'failed', 'bye'].includes(type)), []);
+  } finally {
+    stream?.close();
+    line.mend();
+    await far.server.stop();
+  }
+});
+
+test('sets of a list are called as their folders are', { skip: skipCopc }, async () => {
+  for (const name of ['lion', 'town hall']) makeSet(name);
+  writeFileSync(join(folder, 'web/sets/list.txt'), 'town hall/ept.json\nlion/ept.json\n');
+  const far = await served([], ['--catalog', `${nginx.plain}/sets/list.txt`]);
+  try {
+    const ids = async () => (await (await fetch(new URL('api/v1/clouds', far.url))).json()).clouds.map(({ id }) => id).sort().join();
+    await comesTrue(async () => await ids() === 'lion,town-hall', 'both sets');
+  } finally {
+    await far.server.stop();
+  }
+});
+
+test('what was fetched of a set of EPT is on disk, until its description is another', { skip: skipCopc }, async () => {
+  makeSet('kept');
+  const cache = join(folder, 'cache-of-tiles');
+  mkdirSync(cache);
+  const shown = async () => {
+    const { server, url, metrics } = await served([`${nginx.plain}/sets/kept/ept.json`], ['--cache-dir', cache, '--cache-size', '100M']);
+    await comesTrue(() => fetch(new URL('readyz', url)).then((got) => got.ok), 'the server is ready');
+    const stream = new Stream(url, { cloud: 'kept' });
+    await stream.final(0);
+    const fetched = metric(await metrics(), 'scancast_remote_bytes_total');
+    const { revision } = await (await fetch(new URL('api/v1/clouds/kept', url))).json();
+    stream.close();
+    await server.stop();
+    return { fetched, revision };
+  };
+  const cold = await shown();
+  const warm = await shown();
+  assert.ok(warm.fetched < cold.fetched / 5, `${warm.fetched} of ${cold.fetched}`);
+  assert.equal(warm.revision, cold.revision);
+  const description = join(folder, 'web/sets/kept/ept.json');
+  writeFileSync(description, readFileSync(description, 'utf8').replace('"span":128', '"span":256 '));
+  const other = await shown();
+  assert.ok(other.fetched > cold.fetched * 0.8, `${other.fetched} of ${cold.fetched}`);
+  assert.notEqual(other.revision, cold.revision);
 });
 
 // ---- served, through a line with latency

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 
 namespace scancast::test {
 namespace {
@@ -103,6 +104,53 @@ std::string HttpReply::header(std::string_view name) const {
     return {};
 }
 
+namespace {
+
+/// `reply.body` is what has come of it already.
+void readChunks(RawSocket& socket, HttpReply& reply) {
+    std::string bytes = std::exchange(reply.body, {});
+    reply.whole = false;
+    const auto more = [&] {
+        const std::string part = socket.receive(1 << 20);
+        bytes += part;
+        return !part.empty();
+    };
+    std::size_t at = 0;
+    const auto line = [&]() -> std::optional<std::string> {
+        std::size_t end = std::string::npos;
+        while ((end = bytes.find("\r\n", at)) == std::string::npos)
+            if (!more()) return std::nullopt;
+        std::string text = bytes.substr(at, end - at);
+        at = end + 2;
+        return text;
+    };
+    for (;;) {
+        const auto head = line();
+        if (!head) return;
+        const std::size_t length = std::strtoul(head->c_str(), nullptr, 16);
+        if (length == 0) break;
+        while (bytes.size() < at + length + 2)
+            if (!more()) {
+                reply.body += bytes.substr(at, length);
+                return;
+            }
+        reply.body.append(bytes, at, length);
+        bytes.erase(0, at + length + 2);
+        at = 0;
+    }
+    for (;;) {
+        const auto trailer = line();
+        if (!trailer) return;
+        if (trailer->empty()) break;
+        const auto colon = trailer->find(": ");
+        if (colon != std::string::npos)
+            reply.headers.emplace_back(lower(trailer->substr(0, colon)), trailer->substr(colon + 2));
+    }
+    reply.whole = true;
+}
+
+}  // namespace
+
 HttpReply readReply(RawSocket& socket, bool hasBody) {
     std::string bytes;
     std::size_t headEnd = std::string::npos;
@@ -123,6 +171,10 @@ HttpReply readReply(RawSocket& socket, bool hasBody) {
         at = end + 2;
     }
     reply.body = bytes.substr(headEnd + 4);
+    if (hasBody && reply.header("transfer-encoding") == "chunked") {
+        readChunks(socket, reply);
+        return reply;
+    }
     const std::string length = reply.header("content-length");
     const std::size_t wanted = hasBody && !length.empty() ? std::stoul(length) : 0;
     while (reply.body.size() < wanted) {

@@ -41,6 +41,7 @@ struct HttpReply {
     int status = 0;
     std::vector<std::pair<std::string, std::string>> headers;  ///< names in lower case
     std::string body;
+    bool whole = true;  ///< false: it was to come in chunks, and the connection ended before the last one
     std::string header(std::string_view name) const;
 };
 
@@ -52,7 +53,7 @@ HttpReply requestOn(RawSocket& socket, const std::string& target,
 /// With a body, on a connection of its own.
 HttpReply post(std::uint16_t port, const std::string& target, const std::string& body,
                const std::vector<std::string>& headers);
-/// Reads one answer; the body by its Content-Length.
+/// Reads one answer; the body by its Content-Length, or in chunks: trailers are put behind the headers.
 HttpReply readReply(RawSocket& socket, bool hasBody = true);
 
 struct WsMessage {

@@ -16,6 +16,8 @@ void addOrbit(CLI::App& app, int& exitCode);
 void addInfo(CLI::App& app, int& exitCode);
 void addBench(CLI::App& app, int& exitCode);
 void addPath(CLI::App& app, int& exitCode);
+void addPoints(CLI::App& app, int& exitCode);
+void addProfile(CLI::App& app, int& exitCode);
 void addView(CLI::App& app, int& exitCode);
 void addPick(CLI::App& app, int& exitCode);
 void addMeasure(CLI::App& app, int& exitCode);

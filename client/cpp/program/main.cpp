@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
         "  scancast-client info http://127.0.0.1:8080/\n"
         "  scancast-client snapshot http://127.0.0.1:8080/ --method cone -o town.jpg\n"
         "  scancast-client orbit http://127.0.0.1:8080/ --frames 36 -o frames/\n"
+        "  scancast-client points http://127.0.0.1:8080/ --classes 6 -o roofs.las\n"
         "  scancast-client view http://127.0.0.1:8080/\n"
         "  scancast-client pick http://127.0.0.1:8080/ town --x 640 --y 360\n"
         "  scancast-client measure http://127.0.0.1:8080/ distance town --point 0,0,0 --point 3,4,0\n"
@@ -27,6 +28,8 @@ int main(int argc, char** argv) {
     scancast::client::addOrbit(app, exitCode);
     scancast::client::addInfo(app, exitCode);
     scancast::client::addPath(app, exitCode);
+    scancast::client::addPoints(app, exitCode);
+    scancast::client::addProfile(app, exitCode);
     scancast::client::addView(app, exitCode);
     scancast::client::addBench(app, exitCode);
     scancast::client::addPick(app, exitCode);

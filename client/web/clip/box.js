@@ -1,5 +1,5 @@
-// A box that cuts, as the view's word `clips` has it (PROTOCOL.md, "Shapes that cut"): its axes, its edges, and what a hand does to
-// it. Pure functions from one shape to the next; none of them changes its argument.
+// Boxes and half-spaces that cut, as the view's word `clips` has them (PROTOCOL.md, "Shapes that cut"): a box's axes, the edges of both, and
+// what a hand does to them. Pure functions from one shape to the next; none of them changes its argument.
 
 import { add, scale, subtract } from '../view/vectors.js';
 
@@ -50,6 +50,22 @@ export function turnedTo(box, point) {
   const [, ...others] = box.turn ?? [0, 0, 0];
   return { ...box, turn: [Number(((Math.atan2(y, x) * 180) / Math.PI).toFixed(2)), ...others] };
 }
+
+const unit = (v) => scale(v, 1 / Math.hypot(...v));
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+/** What is drawn of a half-space: a square of its plane around its point, `side` long, as four pairs of corners. */
+export function outlineOf({ point, normal }, side) {
+  const out = unit(normal);
+  const along = unit(cross(out, Math.abs(out[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+  const across = cross(out, along);
+  const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => add(point, add(scale(along, (a * side) / 2), scale(across, (b * side) / 2))));
+  return corners.map((corner, i) => [corner, corners[(i + 1) % 4]]);
+}
+
+/** The half-space with its plane moved by `distance` along its normal. */
+export const withPlaneMoved = (plane, distance, decimals) =>
+  ({ ...plane, point: add(plane.point, scale(unit(plane.normal), distance)).map((value) => Number(value.toFixed(decimals))) });
 
 /** Numbers in as many digits as a hand means: a thousandth of the box. */
 export function rounded(box) {

@@ -1,8 +1,10 @@
-// The boxes that cut, over the picture: their edges, and of the one that is chosen a handle for each face, one for its middle and one
-// that turns it. Placed anew whenever what is on the canvas looks from elsewhere, as measures are (measure/marks.js).
+// What cuts, over the picture: the edges of boxes, of half-spaces a square of their plane; and of the one that is chosen handles: for each
+// face, for the middle, and one that turns it. Placed anew whenever what is on the canvas looks from elsewhere, as measures are (measure/marks.js).
 
 import { Places } from '../measure/places.js';
-import { edgesOf, facesOf, placeIn } from './box.js';
+import { radiusOf } from '../view/camera.js';
+import { add, scale } from '../view/vectors.js';
+import { edgesOf, facesOf, outlineOf, placeIn } from './box.js';
 
 const namespace = 'http://www.w3.org/2000/svg';
 const px = (number) => number.toFixed(2);
@@ -14,8 +16,15 @@ function svg(name, className, parent) {
   return node;
 }
 
-/** Where the handles are: { kind: 'face', 'move' or 'turn', at, … }. Pure. */
-export function handlesOf(box) {
+/**
+ * Where the handles are: { kind: 'face', 'move', 'turn' or 'side' (it only shows which one is kept), at, … }. Pure.
+ * @returns {any[]}
+ */
+export function handlesOf({ box, plane }, size = 1) {
+  if (plane) {
+    const normal = scale(plane.normal, 1 / Math.hypot(...plane.normal));
+    return [{ kind: 'face', at: plane.point, normal }, { kind: 'side', at: add(plane.point, scale(normal, size / 5)), from: plane.point }];
+  }
   return [
     ...facesOf(box).map((face) => ({ kind: 'face', ...face })), { kind: 'move', at: box.center },
     { kind: 'turn', at: placeIn(box, [1.3, 0, 1]), from: placeIn(box, [1, 0, 1]) },
@@ -45,19 +54,22 @@ export class ClipMarks {
     this.#chosen = isActive ? chosen : undefined;
     this.#drawing.replaceChildren();
     for (const [i, shape] of this.#shapes.entries()) {
-      if (shape.box) svg('path', `edges ${shape.keep === 'outside' ? 'outside' : ''} ${i === chosen ? 'chosen' : ''}`, this.#drawing).dataset.shape = String(i);
+      svg('path', `edges ${shape.keep === 'outside' ? 'outside' : ''} ${i === chosen ? 'chosen' : ''}`, this.#drawing).dataset.shape = String(i);
     }
-    const box = this.#shapes[this.#chosen]?.box;
-    this.#handles = (box ? handlesOf(box) : []).map((handle, i) => {
+    const shape = this.#shapes[this.#chosen];
+    this.#handles = (shape ? handlesOf(shape, this.#side) : []).map((handle, i) => {
       const node = svg('g', `handle ${handle.kind}`, this.#drawing);
       node.dataset.handle = String(i);
-      if (handle.kind === 'turn') svg('path', 'arm', node);
+      if (handle.from) svg('path', 'arm', node);
       svg('circle', 'reach', node);
       svg('circle', 'dot', node);
       return { ...handle, node };
     });
     this.place(true);
   }
+
+  /** Of what is drawn of a half-space, which has no end. */
+  get #side() { return 0.5 * radiusOf(this.#viewer.bounds); }
 
   /** The handle of an element in it. */
   handleOf(node) {
@@ -72,7 +84,8 @@ export class ClipMarks {
     if (!shownPose || this.#shapes.length === 0) return;
     const places = new Places(shownPose, cssSize);
     for (const path of this.#drawing.querySelectorAll('.edges')) {
-      const lines = edgesOf(this.#shapes[Number(path.dataset.shape)].box).map(([a, b]) => places.line(a, b)).filter(Boolean);
+      const { box, plane } = this.#shapes[Number(path.dataset.shape)];
+      const lines = (box ? edgesOf(box) : outlineOf(plane, this.#side)).map(([a, b]) => places.line(a, b)).filter(Boolean);
       path.setAttribute('d', lines.map(([a, b]) => `M${px(a.x)} ${px(a.y)}L${px(b.x)} ${px(b.y)}`).join(''));
     }
     for (const { at, from, node } of this.#handles) {

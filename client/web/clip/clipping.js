@@ -1,4 +1,4 @@
-// Cutting the scan by boxes: the card with the list of them, and the hand on their handles. What cuts is the view's own word `clips`, so
+// Cutting the scan by boxes and half-spaces: the card with the list of them, and the hand on their handles. What cuts is the view's own word `clips`, so
 // the address, undo and links hold it, and the server does it; here is only what a hand and a keyboard need.
 
 import { element } from '../page/parameter_fields.js';
@@ -6,7 +6,7 @@ import { strings } from '../page/strings.js';
 import { depthOf, eyeOf, heightAtTarget, pointUnderCursor, radiusOf } from '../view/camera.js';
 import { subtract } from '../view/vectors.js';
 import { Places } from '../measure/places.js';
-import { alongNormal, mostShapes, onLevel, rounded, turnedTo, withFaceMoved } from './box.js';
+import { alongNormal, mostShapes, onLevel, rounded, turnedTo, withFaceMoved, withPlaneMoved } from './box.js';
 import { ClipMarks } from './clip_marks.js';
 
 /** @type {(id: string) => any} */
@@ -41,6 +41,7 @@ export class Clipping {
     }, { passive: false });
     find('close-clipping').addEventListener('click', () => this.activate(false));
     find('clip-add').addEventListener('click', () => this.#add());
+    find('clip-add-plane').addEventListener('click', () => this.#addPlane());
     find('clip-none').addEventListener('click', () => this.#put([]));
     addEventListener('keydown', (event) => {
       if (event.key === 'Escape' && this.#isActive && !event.defaultPrevented && !document.querySelector('dialog[open]')) this.activate(false);
@@ -81,6 +82,16 @@ export class Clipping {
     this.#put([...this.#shapes, { box: rounded({ center: surface?.point ?? camera.target, size: [side, side, side], turn: [0, 0, 0] }), keep: 'inside' }]);
   }
 
+  /** Below what is in the middle of the picture. */
+  #addPlane() {
+    const { camera, cssSize, bounds } = this.#viewer;
+    if (!camera || this.#shapes.length >= mostShapes) return;
+    const surface = this.#viewer.surfaceAt({ x: cssSize.width / 2, y: cssSize.height / 2 });
+    const { center } = rounded({ center: surface?.point ?? camera.target, size: [1, 1, 1].map(() => radiusOf(bounds)) });
+    this.#chosen = this.#shapes.length;
+    this.#put([...this.#shapes, { plane: { point: center, normal: [0, 0, -1] } }]);
+  }
+
   // ---- the hand
 
   #cursor(event) {
@@ -91,7 +102,7 @@ export class Clipping {
   #take(event) {
     const handle = this.#marks.handleOf(event.target);
     const shape = this.#shapes[this.#chosen];
-    if (!handle || !shape?.box || event.button !== 0 || !this.#viewer.shownPose) return;
+    if (!handle || handle.kind === 'side' || !shape || event.button !== 0 || !this.#viewer.shownPose) return;
     event.preventDefault();
     find('clips').setPointerCapture(event.pointerId);
     this.#drag = { handle, start: this.#cursor(event), shape, camera: this.#viewer.camera };
@@ -103,13 +114,19 @@ export class Clipping {
     const { cssSize, shownPose, bounds } = this.#viewer;
     const cursor = this.#cursor(event);
     let { box } = shape;
+    const size = box ? Math.max(...box.size) : radiusOf(bounds);
     if (handle.kind === 'face') {
       const places = new Places(shownPose, cssSize);
-      const reach = 0.01 * Math.max(...box.size);
+      const reach = 0.01 * size;
       const [from, to] = [places.of(handle.at), places.of(handle.at.map((value, i) => value + handle.normal[i] * reach))];
       if (!from || !to) return;
       const unit = { x: (to.x - from.x) / reach, y: (to.y - from.y) / reach };
-      box = withFaceMoved(box, handle, alongNormal({ x: cursor.x - start.x, y: cursor.y - start.y }, unit), 1e-4 * radiusOf(bounds));
+      const distance = alongNormal({ x: cursor.x - start.x, y: cursor.y - start.y }, unit);
+      if (shape.plane) {
+        this.#change(this.#chosen, { plane: withPlaneMoved(shape.plane, distance, Math.min(9, Math.max(0, 3 - Math.floor(Math.log10(size))))) });
+        return;
+      }
+      box = withFaceMoved(box, handle, distance, 1e-4 * radiusOf(bounds));
     } else if (handle.kind === 'move') {
       const depth = depthOf(camera, box.center);
       const shift = subtract(pointUnderCursor(camera, cursor, cssSize, depth), pointUnderCursor(camera, start, cssSize, depth));
@@ -134,7 +151,7 @@ export class Clipping {
     if (this.#chosen >= shapes.length) this.#chosen = shapes.length > 0 ? shapes.length - 1 : undefined;
     this.#marks.show(shapes, this.#chosen, this.#isActive);
     if (!this.#isActive) return;
-    find('clip-add').disabled = shapes.length >= mostShapes;
+    for (const id of ['clip-add', 'clip-add-plane']) find(id).disabled = shapes.length >= mostShapes;
     find('clip-none').disabled = shapes.length === 0;
     find('clip-empty').hidden = shapes.length > 0;
     const focused = /** @type {HTMLElement} */ (document.activeElement)?.dataset?.key;
@@ -160,26 +177,34 @@ export class Clipping {
     head.setAttribute('aria-expanded', String(isChosen));
     const row = element('li', {}, element('div', { className: 'head' }, head));
     if (!isChosen) return row;
-    row.append(element('div', { className: 'details' }, ...(shape.box ? this.#boxFields(shape, index) : []), element('div', { className: 'buttons' },
+    row.append(element('div', { className: 'details' }, ...this.#fields(shape, index), element('div', { className: 'buttons' },
       ...(shape.plane ? [this.#button(`flip-${index}`, words.flip, () => this.#change(index, { plane: { ...shape.plane, normal: shape.plane.normal.map((value) => -value) } }))] : []),
       this.#button(`remove-${index}`, words.remove, () => this.#put(this.#shapes.filter((_, i) => i !== index))))));
     return row;
   }
 
-  #boxFields(shape, index) {
-    const { box } = shape;
+  #fields(shape, index) {
+    const part = shape.box ? 'box' : 'plane';
+    const { [part]: box } = shape;
     const number = (key, label, value, change) => {
       const field = element('input', { type: 'number', step: 'any', value: String(value), ariaLabel: label });
       field.dataset.key = `${key}-${index}`;
       field.addEventListener('change', () => {
         const next = change(field.valueAsNumber);
-        if (Number.isFinite(field.valueAsNumber) && next) this.#change(index, { ...shape, box: { ...box, ...next } });
+        if (Number.isFinite(field.valueAsNumber) && next) this.#change(index, { ...shape, [part]: { ...box, ...next } });
         else field.value = String(value);
       });
       return field;
     };
     const three = (label, values, change) => element('div', { className: 'three' }, element('span', { textContent: label }),
       ...values.map((value, axis) => number(`${label}-${axis}`, `${label} ${axisNames[axis]}`, value, (next) => change(axis, next))));
+    if (shape.plane) {
+      const { point, normal } = shape.plane;
+      return [
+        three(words.point, point, (axis, next) => ({ point: point.with(axis, next) })),
+        three(words.normal, normal, (axis, next) => normal.with(axis, next).some((value) => value !== 0) && { normal: normal.with(axis, next) }),
+      ];
+    }
     const keep = element('select', { ariaLabel: words.keep },
       ...['inside', 'outside'].map((value) => element('option', { value, textContent: words.keeps[value], selected: value === shape.keep })));
     keep.dataset.key = `keep-${index}`;

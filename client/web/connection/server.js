@@ -77,10 +77,10 @@ export class Server {
     return { clouds: listOf(body.clouds), pending: listOf(body.pending) };
   }
 
-  /** { methods, colors, colormaps, shadings }. */
+  /** { methods, colors, colormaps, shadings, ramps }. */
   async methods() {
-    const { methods, colors, colormaps, shadings } = await this.#json('/api/v1/methods');
-    return { methods: listOf(methods), colors: listOf(colors), colormaps: listOf(colormaps), shadings: listOf(shadings) };
+    const { methods, colors, colormaps, shadings, ramps = {} } = await this.#json('/api/v1/methods');
+    return { methods: listOf(methods), colors: listOf(colors), colormaps: listOf(colormaps), shadings: listOf(shadings), ramps };
   }
 
   /** Views that show most of the cloud, the best first, complete and fitted to a picture of this size: [{ name, inside, view }]. */

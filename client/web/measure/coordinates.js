@@ -11,7 +11,8 @@ const longestName = 60;
 /** What stands behind coordinates: their unit, and what the system is called. Pure. */
 export function systemText(cloud) {
   const name = String(cloud.crsName || (cloud.crsEpsg ? `EPSG:${cloud.crsEpsg}` : ''));
-  return [unitOf(cloud.crsUnit, undefined).name, name && `· ${name.length > longestName ? `${name.slice(0, longestName)}…` : name}`].filter(Boolean).join(' ');
+  const [unit, up] = [cloud.crsUnit, cloud.crs?.verticalUnit].map((one) => unitOf(one, undefined).name);
+  return [up && up !== unit ? `${unit}, z ${up}` : unit, name && `· ${name.length > longestName ? `${name.slice(0, longestName)}…` : name}`].filter(Boolean).join(' ');
 }
 
 /** "x 389,459.27  y 5,819,744.0  z 45.4". Pure. */

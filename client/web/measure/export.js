@@ -1,14 +1,14 @@
 // Measures as files: CSV, DXF (R12), GeoJSON. All in the scan's own coordinates, which CSV and DXF say; GeoJSON is WGS 84 by its
 // definition (RFC 7946), so it is written only where the scan's coordinates are that. Pure.
 
-import { exactText, valueText, unitOf } from './units.js';
+import { exactText, heightFactor, valueText, unitOf } from './units.js';
 import { figureOf, kinds, valuesOf } from './values.js';
 
 /** EPSG codes of WGS 84 in degrees, without and with height. */
 const wgs84 = [4326, 4979];
 export const isWgs84 = (cloud) => wgs84.includes(Number(cloud?.crsEpsg));
 
-const mainOf = (measure) => valuesOf(measure)[0];
+const mainOf = (measure, cloud) => valuesOf(measure, heightFactor(cloud))[0];
 /** The scan's unit, whatever the page shows. */
 const ownUnit = (cloud) => unitOf(cloud.crsUnit, undefined).name;
 const placeOf = (cloud) => cloud.crsName || (cloud.crsEpsg ? `EPSG:${cloud.crsEpsg}` : '');
@@ -25,7 +25,7 @@ const unitNameOf = ({ quantity }, own) => (quantity === 'angle' ? 'degree' : own
 export function csvOf(list, cloud, words) {
   const rows = [['name', 'kind', 'value', 'unit', 'point', 'x', 'y', 'z', 'step', 'crs']];
   for (const measure of list) {
-    const main = mainOf(measure);
+    const main = mainOf(measure, cloud);
     const head = [measure.name, words[measure.kind], main ? exactText(main.value) : '', main ? unitNameOf(main, ownUnit(cloud)) : ''];
     measure.points.forEach((point, i) => {
       rows.push([...head, String(i + 1), ...point.map(exactText), exactText(measure.step), placeOf(cloud)]);
@@ -77,7 +77,7 @@ export function dxfOf(list, cloud, kindWords, shownUnit) {
     if (measure.kind === 'circle' || (measure.kind === 'cylinder' && measure.answer)) for (const line of drawn) polyline(layer, line.slice(0, -1), true);
     else if (points.length > 1) polyline(layer, points, kinds[measure.kind].closed === true);
     const spread = Math.max(...[0, 1, 2].map((axis) => Math.max(...points.map((one) => one[axis])) - Math.min(...points.map((one) => one[axis]))));
-    const main = mainOf(measure);
+    const main = mainOf(measure, cloud);
     const words = [measure.name || kindWords[measure.kind], main && valueText(main, shownUnit)].filter(Boolean).join(': ');
     for (const [code, text] of [[0, 'TEXT'], [8, layer]]) say(code, text);
     at(label);

@@ -13,7 +13,7 @@ import { Keeping } from './keeping.js';
 import { Marks } from './marks.js';
 import { Measures, mostMeasures } from './measures.js';
 import { Panel } from './panel.js';
-import { exactText, measuresLengths, unitOf, unitsFor, valueText } from './units.js';
+import { exactText, heightFactor, measuresLengths, unitOf, unitsFor, valueText } from './units.js';
 import { boundsOf, valuesOf } from './values.js';
 
 /** @type {(id: string) => any} */
@@ -344,7 +344,7 @@ export class Measuring {
   }
 
   #textOf(measure) {
-    const [main] = valuesOf(measure);
+    const [main] = valuesOf(measure, heightFactor(this.#cloud));
     return main ? valueText(main, unitOf(this.#cloud?.crsUnit, this.#shownUnit)) : '';
   }
 
@@ -352,15 +352,16 @@ export class Measuring {
 
   #show() {
     const shown = unitOf(this.#cloud?.crsUnit, this.#shownUnit);
+    const heights = heightFactor(this.#cloud);
     const leg = (length) => valueText({ quantity: 'length', value: length, error: 0.005 / shown.factor }, shown);
     const marks = this.#measures.list.filter(({ visible, id }) => visible || id === this.#selected?.id).map((known) => {
       const isMoved = this.#moved?.id === known.id;
       const measure = isMoved ? { ...known, points: this.#moved.points } : known;
       const selected = this.#isActive && known.id === this.#selected?.id;
       const text = this.#textOf(measure) || measure.name;
-      return { measure, look: { key: `${selected} ${text} ${isMoved}`, selected, drawn: isMoved, text, leg } };
+      return { measure, look: { key: `${selected} ${text} ${isMoved}`, selected, drawn: isMoved, text, leg, heights } };
     });
-    const draft = this.#draftMark(leg);
+    const draft = this.#draftMark(leg, heights);
     find('marks').classList.toggle('drafting', draft !== undefined);
     this.#marks.show(draft ? [...marks, draft] : marks);
     const point = this.#selected?.index;
@@ -370,7 +371,7 @@ export class Measuring {
   }
 
   /** What is being made, with the place under the cursor as its next point. */
-  #draftMark(leg) {
+  #draftMark(leg, heights) {
     const draft = this.#draft;
     if (!draft || draft.points.length === 0) return undefined;
     const placed = draft.places.filter(({ at }) => at);
@@ -378,7 +379,7 @@ export class Measuring {
     const points = [...placed.map(({ at }) => at), ...(under ? [under] : [])];
     const measure = { id: 'draft', kind: draft.kind, up: draft.up, visible: true, points, step: 0.005 };
     const text = this.#textOf(measure);
-    return { measure, look: { key: '', selected: false, drawn: true, pending: [...placed.map(({ pending }) => pending), true], text: text && `≈ ${text}`, leg } };
+    return { measure, look: { key: '', selected: false, drawn: true, pending: [...placed.map(({ pending }) => pending), true], text: text && `≈ ${text}`, leg, heights } };
   }
 
   #showList() {

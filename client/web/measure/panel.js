@@ -6,7 +6,7 @@ import { icon } from '../page/icons.js';
 import { element } from '../page/parameter_fields.js';
 import { strings } from '../page/strings.js';
 import { stepText } from './coordinates.js';
-import { measuresLengths, placeText, unitOf, unitsFor, valueText } from './units.js';
+import { heightFactor, measuresLengths, placeText, unitOf, unitsFor, valueText } from './units.js';
 import { bases, crossesItself, kinds, valuesOf } from './values.js';
 
 /** @type {(id: string) => any} */
@@ -95,7 +95,9 @@ export class Panel {
     find('measure-redo').disabled = !measures.canRedo;
     for (const id of ['export-csv', 'export-dxf', 'export-geojson']) find(id).disabled = list.length === 0;
     find('measure-list').replaceChildren(...list.map((one) => this.#row(one, one.id === selected, unit)));
-    if (selected !== undefined && selected !== this.#open) find('measure-list').querySelector('li:has([aria-expanded="true"])')?.scrollIntoView({ block: 'nearest' });
+    // All of what has been opened, or, where that is too much, its beginning.
+    const opened = selected !== this.#open ? find('measure-list').querySelector('li:has([aria-expanded="true"])') : null;
+    for (const part of [opened, opened?.querySelector('.head')]) part?.scrollIntoView({ block: 'nearest' });
     this.#open = selected;
     // What had the focus may be gone; then the next best has it, and never nothing.
     if (focused && !this.focus(focused)) (find('measure-list').querySelector('button') ?? find('close-measuring')).focus();
@@ -118,7 +120,7 @@ export class Panel {
   #row(measure, isOpen, unit) {
     const { id, name, visible } = measure;
     const does = this.#does;
-    const [main] = valuesOf(measure);
+    const [main] = valuesOf(measure, heightFactor(this.#cloud));
     const shown = unitOf(this.#cloud?.crsUnit, unit);
     const head = this.#button(`row-${id}`, { className: 'name' }, () => does.select(isOpen ? undefined : id));
     head.append(element('span', { textContent: name }), element('b', { textContent: main ? valueText(main, shown) : '' }));
@@ -166,7 +168,7 @@ export class Panel {
     const field = element('input', { type: 'text', value: name, maxLength: longestName, autocomplete: 'off' });
     field.dataset.key = `name-${id}`;
     field.addEventListener('change', () => does.change(id, { name: field.value.trim() || name }));
-    const values = valuesOf(measure);
+    const values = valuesOf(measure, heightFactor(this.#cloud));
     const notes = [];
     const { asks, closed } = kinds[kind];
     if (asks && !measure.answer) notes.push(measure.trouble === undefined ? words.asking : words.asked(measure.trouble));

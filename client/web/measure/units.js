@@ -28,6 +28,12 @@ export function unitOf(crsUnit, shown) {
   return unitOf(crsUnit, unitsFor(crsUnit)[0]);
 }
 
+/** What heights are multiplied by to be in the unit of x and y: 1, unless the scan says that z is in another one. */
+export function heightFactor(cloud) {
+  const [across, up] = [known(cloud?.crsUnit), known(cloud?.crs?.verticalUnit)];
+  return Object.hasOwn(metres, across) && Object.hasOwn(metres, up) ? metres[up] / metres[across] : 1;
+}
+
 /** Digits behind the point that say something where `error` is left open. */
 export const decimalsFor = (error) => (error > 0 ? Math.min(most, Math.max(0, Math.ceil(-Math.log10(2 * error)))) : most);
 

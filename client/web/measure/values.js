@@ -78,14 +78,19 @@ export function crossesItself(points) {
   }));
 }
 
+/** Where z is in another unit than x and y. */
+const inSpace = (points, heights) => (heights === 1 ? points : points.map(([x, y, z]) => [x, y, z * heights]));
+
 const value = (name, quantity, number, error) => ({ name, quantity, value: number, error });
 
 /**
  * What a measure comes to, the main one first: [{ name, quantity, value, error }], `quantity` 'length', 'area', 'volume' or 'angle'
- * (degrees), `error` what the grid of the coordinates leaves open. Empty while the server has not answered, while it has too few points, or where they make no such figure.
+ * (degrees), `error` what the grid of the coordinates leaves open. `heights`: what z is multiplied by to be in the unit of x and y, in
+ * which lengths are. Empty while the server has not answered, while it has too few points, or where they make no such figure.
  */
-export function valuesOf(measure) {
-  const { kind, points, step = 0, answer } = measure;
+export function valuesOf(measure, heights = 1) {
+  const { kind, step = 0, answer } = measure;
+  const points = inSpace(measure.points, heights);
   const { least, closed = false } = kinds[kind];
   if (points.length < least || kind === 'point') return [];
   if (kinds[kind].asks) return answer ? answeredBy(kind, answer, step) : [];
@@ -178,10 +183,10 @@ const middle = (points) => scale(points.reduce(add), 1 / points.length);
 
 /**
  * What is drawn of it, in the scan's coordinates: `lines` and thin `helpers`, each a line of points; `label`, where its value
- * stands; `legs`, [{ at, from, to }] where the parts of a longer line have theirs.
+ * stands; `legs`, [{ at, length }] where the parts of a longer line have theirs. `heights` as for valuesOf().
  * @returns {{ lines: number[][][], helpers: number[][][], label: number[], legs: { at: number[], length: number }[] }}
  */
-export function figureOf(measure) {
+export function figureOf(measure, heights = 1) {
   const { kind, points } = measure;
   const up = upOf(measure);
   const [a, b] = points;
@@ -191,7 +196,7 @@ export function figureOf(measure) {
   if (kind === 'distance') {
     // Where the legs have their own, the whole stands at the end.
     if (points.length === 2) figure.label = middleOf(points);
-    else figure.legs = pairs(points).map(([from, to]) => ({ at: mix(from, to, 0.5), length: between(from, to) }));
+    else figure.legs = pairs(points).map(([from, to]) => ({ at: mix(from, to, 0.5), length: between(...inSpace([from, to], heights)) }));
   } else if (kind === 'height') {
     const [low, high] = rise(a, b, up) >= 0 ? [a, b] : [b, a];
     const corner = add(low, scale(up, rise(low, high, up)));

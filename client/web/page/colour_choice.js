@@ -1,5 +1,5 @@
-// What colours show: a tile with a swatch for everything that this scan can be coloured by, the ramp and its ends for those that
-// have one, and a legend for classes.
+// What colours show: a tile with a swatch for everything that this scan can be coloured by, and the ramp and its ends for those that
+// have one.
 
 import { Choices } from './choices.js';
 import { NumberField, rangeRefusal } from './number_field.js';
@@ -18,16 +18,6 @@ const mayLack = ['rgb', 'cir', 'intensity', 'classification', 'normal', 'curvatu
 const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);
 /** 'rgb*intensity' → ['rgb', 'intensity']: what colours come from, and what makes it brighter. */
 const factorsOf = (color) => (color ?? '').split('*');
-
-const knownClasses = [
-  'b0b0b0', 'c8c8c8', 'a1794e', 'a4c85a', '5ca846', '267834', 'cb5c4a', 'ff00aa', 'f0dc78', '4287dc',
-  '7864a0', '6c6e76', 'beaad2', 'f5c83c', 'faaa28', '50c8c8', '28aaaa', 'dea082', 'ff3c78',
-];
-
-/** The colour in which the server draws a class. Pure. */
-export const colourOfClass = (number) => (number < knownClasses.length
-  ? `#${knownClasses[number]}`
-  : `rgb(${[53, 101, 197].map((factor) => 90 + ((number * factor) % 150)).join(', ')})`);
 
 /**
  * What a cloud can be coloured by, and what not: { options, missing: [{ value, label, reason }] }. Intensity as a factor is no
@@ -58,6 +48,7 @@ export class ColourChoice {
   #choice;
   #ramps;
   #ends; // fields of the range
+  #told = new Map(); // source → the ends that the server chose for this cloud
   #offered = ''; // what is offered now: filled in anew only when that is something else
 
   /** `style(changes)` hears of what was chosen. */
@@ -81,8 +72,8 @@ export class ColourChoice {
 
   showCloud(cloud) {
     this.#cloud = cloud;
+    this.#told.clear();
     this.#offered = '';
-    this.#showLegend();
   }
 
   show(view) {
@@ -96,7 +87,6 @@ export class ColourChoice {
     find('shade-by-intensity').hidden = !takesIntensity(source, this.#colors, this.#cloud);
     find('by-intensity').checked = by === 'intensity';
     find('ramp').hidden = !withRamp.includes(source);
-    find('legend').hidden = source !== 'classification' || find('legend').children.length === 0;
     this.#ramps.show(view.colormap);
     const usual = this.#usualRange(view.color);
     ['range-low', 'range-high'].forEach((id, i) => {
@@ -106,15 +96,12 @@ export class ColourChoice {
     });
   }
 
-  #showLegend() {
-    const { classes = [], classNames = {} } = this.#cloud ?? {};
-    find('legend').replaceChildren(...classes.slice(0, 64).map((number) => {
-      const name = classNames[number] ?? words.classNumber(number);
-      const swatch = element('i', { className: 'swatch' });
-      swatch.style.setProperty('background', colourOfClass(number));
-      return element('li', {}, swatch,
-        element('span', { textContent: name.charAt(0).toUpperCase() + name.slice(1) }), element('span', { className: 'unit', textContent: String(number) }));
-    }));
+  /** What the server says of a picture: the ends that it chose for a ramp. Those of depth are the camera's, and other ones each time. */
+  told({ color, range }) {
+    const source = factorsOf(color)[0];
+    if (!range || this.#view.range || this.#view.color !== color || source === 'depth') return;
+    this.#told.set(source, range);
+    this.show(this.#view);
   }
 
   #offer(method) {
@@ -142,6 +129,7 @@ export class ColourChoice {
   #usualRange(color) {
     const bounds = this.#cloud?.bounds;
     const [source] = factorsOf(color);
+    if (this.#told.has(source)) return this.#told.get(source);
     if (source === 'elevation' && bounds) return [bounds.min[2], bounds.max[2]];
     return (this.#cloud?.attributes ?? []).find((one) => one.name === source)?.range;
   }

@@ -106,6 +106,11 @@ export class Controls {
     this.#showDetail(view.detail);
   }
 
+  /** `stats` of a picture of the cloud that is shown. */
+  told(stats) {
+    this.#colour.told(stats);
+  }
+
   /** Methods that a gallery may show: { method, place } each, the chosen one first. */
   get methodPictures() {
     return this.#method.pictures;

@@ -139,8 +139,6 @@ export const strings = {
     high: 'Maximum value',
     lowHint: 'min',
     highHint: 'max',
-    legend: 'Classes in this scan',
-    classNumber: (number) => `Class ${number}`,
     notInScan: 'not in this scan',
     notInScanAre: (names) => `Not in this scan: ${names}.`,
     onlyReconstructed: 'only with the method “Reconstructed surface”',

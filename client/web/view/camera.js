@@ -24,7 +24,7 @@ const radians = (degrees) => (degrees * Math.PI) / 180;
 const halfTangent = (camera) => Math.tan(radians(camera.fov) / 2);
 
 /** From a frame in which Z is up to the cloud's, and back. */
-const toCloud = (v, upAxis) => (upAxis === 'y' ? [v[0], v[2], -v[1]] : upAxis === '-y' ? [v[0], -v[2], v[1]] : v);
+export const toCloud = (v, upAxis) => (upAxis === 'y' ? [v[0], v[2], -v[1]] : upAxis === '-y' ? [v[0], -v[2], v[1]] : v);
 const toUpright = (v, upAxis) => (upAxis === 'y' ? [v[0], -v[2], v[1]] : upAxis === '-y' ? [v[0], v[2], -v[1]] : v);
 
 const isSound = (camera) =>

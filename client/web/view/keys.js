@@ -26,6 +26,8 @@ export const keyTable = [
   ['Home', 'the first view'],
   ['1 2 3', 'from the top, the front, the right'],
   ['4 5 6', 'from the back, the left, below'],
+  ['7', 'plan: from the top, orthographic; back'],
+  ['G N', 'grid; overview map'],
   ['L', 'switch dragging between orbit and look around'],
   ['O', 'perspective or orthographic'],
   ['M', 'measure; then Space takes the point in the middle'],

@@ -5,7 +5,7 @@
 // Events, each a CustomEvent whose `detail` is:
 //
 //   connection  { kind, … } as session.js reports it
-//   catalog     what the server offers: { clouds, pending, methods, colors, colormaps, shadings }
+//   catalog     what the server offers: { clouds, pending, methods, colors, colormaps, shadings, ramps }
 //   clouds      the same, when only the list of clouds is another one
 //   cloud       what the server says of the cloud that is shown from now on, or of the same one as it is now
 //   jump        another place is about to be shown, at once or by a short flight
@@ -139,6 +139,8 @@ export class Viewer extends EventTarget {
   get catalog() { return this.#catalog; }
   get cloud() { return this.#cloud; }
   get camera() { return this.#camera; }
+  /** The camera, or, in flight, that which it will be. */
+  get destination() { return this.#flight?.to ?? this.#camera; }
   /** All that is asked for, as the protocol has it. */
   get view() { return this.#exchange.wanted; }
   /** The part of the canvas that nothing lies over. */
@@ -377,6 +379,12 @@ export class Viewer extends EventTarget {
     else this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
   }
 
+  /** As a plan has it: all of the cloud without perspective from there, a name that standardView() knows. */
+  showPlan(name) {
+    if (!this.#camera || !this.#cloud) return;
+    this.goTo(standardView({ ...this.#camera, projection: 'orthographic' }, name, this.bounds, this.#picture.cssSize, this.#free));
+  }
+
   /** Towards what is in the middle of the picture, or away from it. */
   goToMiddle(away = false) {
     this.#input.goToMiddle(away);
@@ -392,7 +400,9 @@ export class Viewer extends EventTarget {
   toggleProjection() {
     if (!this.#camera) return;
     const projection = this.#camera.projection === 'orthographic' ? 'perspective' : 'orthographic';
+    const flight = this.#flight;
     this.changeCamera({ ...this.#camera, projection });
+    if (flight) this.#flyTo({ ...flight.to, projection }, flight.by); // it is to arrive all the same
   }
 
   // ---- inside

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "importers/octree/ept/ept_description.hpp"
 #include "importers/octree/ept/ept_hierarchy.hpp"
 #include "importers/octree/ept/zstd_records.hpp"
 #include "importers/octree/tree/las_tiles.hpp"
+#include "renderer/cloud/import/octree/ept_description.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_octree {

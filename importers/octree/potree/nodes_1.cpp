@@ -6,7 +6,7 @@
 
 #include "files/bytes.hpp"
 #include "importers/octree/potree/node_names.hpp"
-#include "importers/octree/tree/json_values.hpp"
+#include "renderer/cloud/import/octree/json_values.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_octree {

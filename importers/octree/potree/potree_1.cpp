@@ -8,8 +8,8 @@
 #include "importers/octree/potree/nodes_1.hpp"
 #include "importers/octree/potree/potree_layout.hpp"
 #include "importers/octree/potree/potree_octree.hpp"
-#include "importers/octree/tree/json_values.hpp"
 #include "importers/octree/tree/las_tiles.hpp"
+#include "renderer/cloud/import/octree/json_values.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_octree {

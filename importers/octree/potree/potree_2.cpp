@@ -7,7 +7,7 @@
 #include "importers/octree/potree/nodes_2.hpp"
 #include "importers/octree/potree/potree_layout.hpp"
 #include "importers/octree/potree/potree_octree.hpp"
-#include "importers/octree/tree/json_values.hpp"
+#include "renderer/cloud/import/octree/json_values.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_octree {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "importers/octree/tree/point_layout.hpp"
+#include "renderer/cloud/import/octree/point_layout.hpp"
 
 namespace scancast::import_octree {
 

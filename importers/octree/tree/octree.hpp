@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "importers/octree/tree/record_decoder.hpp"
 #include "importers/octree/tree/tree_files.hpp"
 #include "protocol/error.hpp"
+#include "renderer/cloud/import/octree/record_decoder.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
 namespace scancast::import_octree {

@@ -66,6 +66,12 @@ Expected<std::vector<std::byte>> TreeFiles::readAll(const std::string& name, std
     return content;
 }
 
+Expected<nlohmann::json> readJsonObject(const TreeFiles& files, const std::string& name) {
+    const auto bytes = files.readAll(name, longestJson);
+    if (!bytes) return passOn(bytes);
+    return parseJsonObject(*bytes, name);
+}
+
 Expected<std::unique_ptr<TreeFile>> FolderFiles::open(const std::string& name) const {
     auto file = folder_.file(name);
     if (!file) return notOpened(name, file.error());

@@ -13,6 +13,7 @@
 
 #include "files/input_folder.hpp"
 #include "protocol/error.hpp"
+#include "renderer/cloud/import/octree/json_values.hpp"
 
 namespace scancast::import_octree {
 
@@ -45,6 +46,9 @@ class TreeFiles {
     /// All of a file. Errors: open()'s; ResourceLimit beyond `longest` bytes.
     Expected<std::vector<std::byte>> readAll(const std::string& name, std::uint64_t longest) const;
 };
+
+/// The object in a file of JSON (parseJsonObject()).
+Expected<nlohmann::json> readJsonObject(const TreeFiles& files, const std::string& name);
 
 /// On disk.
 class FolderFiles final : public TreeFiles {

@@ -10,6 +10,7 @@
 
 #include "renderer/cloud/export/cloud_points.hpp"
 #include "renderer/cloud/export/losses.hpp"
+#include "renderer/cloud/export/survey_ahead.hpp"
 
 namespace scancast {
 
@@ -37,24 +38,32 @@ Expected<void> forBatches(PointSource& source, const std::stop_token& stop, Use 
     return {};
 }
 
+/// Where there is a quicker way than reading everything.
+using CountAhead = std::function<Expected<PointSurvey>()>;
+
 class Exporter {
   public:
     Exporter(const OpenPoints& open, const ExportOptions& options, std::optional<PointSurvey> known,
-             const ProgressSink& progress, const std::stop_token& stop)
-        : open_(open), options_(options), known_(std::move(known)), progress_(progress), stop_(stop) {}
+             const CountAhead& count, const ProgressSink& progress, const std::stop_token& stop)
+        : open_(open),
+          options_(options),
+          known_(std::move(known)),
+          count_(count),
+          progress_(progress),
+          stop_(stop) {}
 
     Expected<ExportReport> run() {
         const auto start = std::chrono::steady_clock::now();
         auto output = OutputFile::create(options_.output);
         if (!output) return passOn(output);
-        auto source = openRegion();
+        auto source = open_();
         if (!source) return passOn(source);
         auto ahead = surveyAhead(*source, output->seekable());
         if (!ahead) return passOn(ahead);
-        if (!*source) source = openRegion();
+        if (!*source) source = open_();
         if (!source) return passOn(source);
         const ScanHeader header = (*source)->header();
-        auto writer = createWriter(std::move(*output), header, *ahead);
+        auto writer = createExport(options_.format, std::move(*output), header, *ahead);
         if (!writer) return passOn(writer);
 
         PointSurvey survey;
@@ -80,12 +89,6 @@ class Exporter {
     }
 
   private:
-    Expected<std::unique_ptr<PointSource>> openRegion() {
-        auto source = open_();
-        if (!source) return source;
-        return within(options_.region, std::move(*source));
-    }
-
     /// What heads of files need to know before the points come. Counting uses the source up; it is null then.
     Expected<PointSurvey> surveyAhead(std::unique_ptr<PointSource>& source, bool seekable) {
         const ScanHeader& header = source->header();
@@ -94,6 +97,12 @@ class Exporter {
         const bool hasHead = options_.format == ExportFormat::Las || options_.format == ExportFormat::Ply;
         const bool needsBounds = options_.format == ExportFormat::Las && !(header.gridStep.x > 0) && !known_;
         if (!(hasHead && !seekable) && !needsBounds) return ahead;
+        if (count_) {
+            auto survey = count_();
+            if (survey && survey->points == 0)
+                return fail(ErrorCode::Empty, "No point lies there; nothing was written.");
+            return survey;
+        }
         PointSurvey counted;
         counted.highestClass = ahead.highestClass;
         auto done = forBatches(*source, stop_, [&](const PointBatch& batch) -> Expected<void> {
@@ -107,33 +116,19 @@ class Exporter {
         return counted;
     }
 
-    Expected<std::unique_ptr<ExportWriter>> createWriter(OutputFile output, const ScanHeader& header,
-                                                         const PointSurvey& ahead) const {
-        switch (options_.format) {
-            case ExportFormat::Las:
-                return createLasExport(std::move(output), header, ahead);
-            case ExportFormat::Ply:
-                return createPlyExport(std::move(output), header, ahead);
-            case ExportFormat::Text:
-                return createTextExport(std::move(output), header, ' ');
-            case ExportFormat::Csv:
-                break;
-        }
-        return createTextExport(std::move(output), header, ',');
-    }
-
     const OpenPoints& open_;
     const ExportOptions& options_;
     std::optional<PointSurvey> known_;
+    const CountAhead& count_;
     const ProgressSink& progress_;
     const std::stop_token& stop_;
 };
 
 Expected<ExportReport> guardedExport(const OpenPoints& open, const ExportOptions& options,
-                                     std::optional<PointSurvey> known, const ProgressSink& progress,
-                                     const std::stop_token& stop) {
+                                     std::optional<PointSurvey> known, const CountAhead& count,
+                                     const ProgressSink& progress, const std::stop_token& stop) {
     try {
-        return Exporter(open, options, std::move(known), progress, stop).run();
+        return Exporter(open, options, std::move(known), count, progress, stop).run();
     } catch (const std::bad_alloc&) {
         return fail(ErrorCode::ResourceLimit, "The machine has not enough memory for the export.");
     } catch (const std::exception& e) {
@@ -194,13 +189,29 @@ Expected<ExportFormat> exportFormatOf(const std::string& name) {
                 "format");
 }
 
+CloudPointsOptions cloudPointsOptions(const ExportOptions& options) {
+    CloudPointsOptions what{.corridor = options.corridor, .estimatedNormals = options.estimatedNormals};
+    if (!options.region.isEverything()) what.region = std::make_shared<RegionTest>(options.region);
+    return what;
+}
+
 Expected<ExportReport> exportCloud(std::shared_ptr<const CloudFile> file, const ExportOptions& options,
                                    const ProgressSink& progress, std::stop_token stop) {
-    const CloudPointsOptions what{.clip = options.region.clip, .estimatedNormals = options.estimatedNormals};
+    const CloudPointsOptions what = cloudPointsOptions(options);
     const OpenPoints open = [&]() -> Expected<std::unique_ptr<PointSource>> {
         return cloudPoints(file, what);
     };
-    auto report = guardedExport(open, options, surveyOf(file->facts()), progress, stop);
+    const CountAhead count = [&]() -> Expected<PointSurvey> {
+        SurveyAhead survey(file, what, options.format);
+        for (;;) {
+            auto more = survey.step();
+            if (!more) return passOn(more);
+            if (!*more) return survey.survey();
+            if (stop.stop_requested()) return interrupted();
+            if (progress) progress({"counting", survey.survey().points, file->facts().points, "points"});
+        }
+    };
+    auto report = guardedExport(open, options, surveyOf(file->facts()), count, progress, stop);
     if (!report) return report;
     auto losses = lossesOf(*file, options);
     report->losses.insert(report->losses.begin(), losses.begin(), losses.end());
@@ -212,10 +223,11 @@ Expected<ExportReport> exportScan(const OpenPoints& open, const ExportOptions& o
     std::string format;
     const OpenPoints remembered = [&]() -> Expected<std::unique_ptr<PointSource>> {
         auto source = open();
-        if (source) format = (*source)->header().format;
-        return source;
+        if (!source) return source;
+        format = (*source)->header().format;
+        return within(options.region, std::move(*source));
     };
-    auto report = guardedExport(remembered, options, std::nullopt, progress, stop);
+    auto report = guardedExport(remembered, options, std::nullopt, {}, progress, stop);
     if (!report) return report;
     auto losses = lossesOfFormat(format);
     report->losses.insert(report->losses.begin(), losses.begin(), losses.end());

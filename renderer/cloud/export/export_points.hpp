@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "renderer/cloud/export/cloud_points.hpp"
 #include "renderer/cloud/export/export_writer.hpp"
 #include "renderer/cloud/export/region.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
@@ -19,7 +20,6 @@
 
 namespace scancast {
 
-enum class ExportFormat : std::uint8_t { Las, Ply, Csv, Text };
 /// By the end of a file's name, in upper or lower case. Unsupported, with the way out, for formats that nobody here writes;
 /// InvalidArgument for names that tell none.
 Expected<ExportFormat> exportFormatOf(const std::string& name);
@@ -27,8 +27,10 @@ Expected<ExportFormat> exportFormatOf(const std::string& name);
 struct ExportOptions {
     std::string output;  ///< a file, a device, or "-": standard output
     ExportFormat format = ExportFormat::Las;
-    ExportRegion region{};
+    PointsRegion region{};
     bool estimatedNormals = false;  ///< of cloud files: those too that ingest estimated
+    /// Of cloud files: only what lies in it, with stations and offsets.
+    std::shared_ptr<const Corridor> corridor{};
 };
 
 struct ExportReport {
@@ -36,6 +38,9 @@ struct ExportReport {
     double seconds = 0;
     std::vector<std::string> losses;  ///< against the scan as it was, one sentence each without an end
 };
+
+/// What is read of a cloud file for these options.
+CloudPointsOptions cloudPointsOptions(const ExportOptions& options);
 
 /// Errors: CloudFile's, where a block is damaged; Empty where no point is in the region; InvalidArgument; Io;
 /// ResourceLimit (a full disk); Cancelled. Nothing is left by any of them, but for what devices and pipes have got.

@@ -29,4 +29,19 @@ void PointSurvey::add(const PointBatch& batch, const ScanHeader& header) {
     }
 }
 
+Expected<std::unique_ptr<ExportWriter>> createExport(ExportFormat format, OutputFile output,
+                                                     const ScanHeader& header, const PointSurvey& ahead) {
+    switch (format) {
+        case ExportFormat::Las:
+            return createLasExport(std::move(output), header, ahead);
+        case ExportFormat::Ply:
+            return createPlyExport(std::move(output), header, ahead);
+        case ExportFormat::Text:
+            return createTextExport(std::move(output), header, ' ');
+        case ExportFormat::Csv:
+            break;
+    }
+    return createTextExport(std::move(output), header, ',');
+}
+
 }  // namespace scancast

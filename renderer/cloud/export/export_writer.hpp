@@ -12,9 +12,12 @@
 #include <vector>
 
 #include "files/output_file.hpp"
+#include "protocol/points/points_request.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
 namespace scancast {
+
+using ExportFormat = PointsFormat;
 
 /// What heads of files say of all points together.
 struct PointSurvey {
@@ -49,5 +52,9 @@ Expected<std::unique_ptr<ExportWriter>> createPlyExport(OutputFile output, const
 /// `separator`: ',' or ' '. With blanks, names stand behind "//".
 Expected<std::unique_ptr<ExportWriter>> createTextExport(OutputFile output, const ScanHeader& header,
                                                          char separator);
+
+/// The one of that format.
+Expected<std::unique_ptr<ExportWriter>> createExport(ExportFormat format, OutputFile output,
+                                                     const ScanHeader& header, const PointSurvey& ahead);
 
 }  // namespace scancast

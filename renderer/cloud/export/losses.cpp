@@ -26,7 +26,7 @@ std::vector<Column> columnsOf(const CloudFacts& facts) {
 }
 
 void addRounding(const CloudFile& file, const ExportOptions& options, std::vector<std::string>& losses) {
-    const RoundedPoints rounded = roundedPoints(file, options.region.clip);
+    const RoundedPoints rounded = roundedPoints(file, cloudPointsOptions(options));
     if (rounded.points == 0) return;
     losses.push_back(
         fmt::format("positions of {} points were rounded to 16 bits of their node, by at most {:.2g}, {:.2g} "

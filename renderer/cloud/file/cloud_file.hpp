@@ -38,7 +38,7 @@ class CloudFile {
     virtual std::uint64_t bytes() const = 0;  ///< size on disk
     /// Its blocks come over a network: waiting for many is as quick as for one.
     virtual bool isRemote() const { return false; }
-    /// It is a scan that is shown as it is, in its own octree (renderer/cloud/copc): sampleCount and points of its nodes are
+    /// It is a scan that is shown as it is, in its own octree (renderer/cloud/native): sampleCount and points of its nodes are
     /// estimates, and samples() says how many there are.
     virtual bool isNative() const { return false; }
     /// Bytes that it takes itself beside its nodes, for as long as it is open.

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "protocol/flags/region_flags.hpp"
 #include "protocol/text/grouped.hpp"
-#include "protocol/view/view_words.hpp"
 #include "renderer/cloud/export/export_points.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "server/base/byte_size.hpp"
@@ -24,7 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportArguments {
-    std::string input, output, format, clip, classes;
+    std::string input, output, format;
+    RegionFlags region;
     ImporterFlags importer;
     bool normals = false, force = false, quiet = false;
 };
@@ -41,22 +42,6 @@ Expected<ExportFormat> formatOf(const ExportArguments& arguments) {
     return exportFormatOf(arguments.output);
 }
 
-/// In the grammar of views, which check them, too.
-Expected<ExportRegion> regionOf(const ExportArguments& arguments) {
-    View view;
-    if (!arguments.clip.empty())
-        if (auto ok = applyWord(view, "clip", arguments.clip); !ok) return passOn(ok);
-    if (!arguments.classes.empty())
-        if (auto ok = applyWord(view, "classes", arguments.classes); !ok) return passOn(ok);
-    ExportRegion region;
-    region.clip = view.style.clip;
-    if (view.style.classes) {
-        region.classes.emplace();
-        for (const std::uint8_t c : *view.style.classes) region.classes->set(c);
-    }
-    return region;
-}
-
 Expected<ExportOptions> exportOptions(const ExportArguments& arguments) {
     ExportOptions options;
     options.output = arguments.output;
@@ -64,7 +49,7 @@ Expected<ExportOptions> exportOptions(const ExportArguments& arguments) {
     const auto format = formatOf(arguments);
     if (!format) return passOn(format);
     options.format = *format;
-    auto region = regionOf(arguments);
+    auto region = arguments.region.region();
     if (!region) return passOn(region);
     options.region = std::move(*region);
     const bool text = options.format == ExportFormat::Csv || options.format == ExportFormat::Text;
@@ -148,6 +133,7 @@ constexpr const char* exportFooter =
     "Examples:\n"
     "  scancast export town.scan -o town.las\n"
     "  scancast export town.scan -o roofs.ply --clip 389400,5819700,40,389500,5819800,90 --classes 6\n"
+    "  scancast export town.scan -o block.las --polygon '389400,5819700;389500,5819720;389480,5819800'\n"
     "  scancast export town.scan -o - --format csv | head\n"
     "  scancast ingest town.las -o town.scan --exact && scancast export town.scan -o again.las  # the same "
     "records\n";
@@ -175,12 +161,7 @@ void addExport(CLI::App& app, int& exitCode) {
                      "txt. Default: what the file's name says")
         ->check(CLI::IsMember({"las", "ply", "csv", "txt"}))
         ->type_name("FORMAT");
-    command
-        ->add_option("--clip,--box", arguments->clip,
-                     "Only points inside this box, its faces included, in the file's coordinates")
-        ->type_name("X0,Y0,Z0,X1,Y1,Z1");
-    command->add_option("--classes", arguments->classes, "Only these classifications: 2,6")
-        ->type_name("N,N,...");
+    arguments->region.addTo(*command);
     command->add_flag("--normals", arguments->normals,
                       "Also write the normals that ingest estimated; a scan's own are always written");
     addImporterFlags(*command, arguments->importer, false);

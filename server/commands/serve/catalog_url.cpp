@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "server/base/remote_cloud.hpp"
+
 namespace scancast {
 
 namespace fs = std::filesystem;
@@ -63,7 +65,12 @@ bool CatalogUrl::look(std::size_t most) {
         note(listing_.shown() + ": it can be seen again which clouds there are.");
     if (*listed) take(std::move(**listed));
     std::vector<CatalogCandidate> candidates;
-    for (const ListedCloud& cloud : clouds_) candidates.push_back({cloud.url, cloud.shown, cloud.name});
+    for (const ListedCloud& cloud : clouds_) {
+        const auto url = RemoteUrl::parse(cloud.url);
+        candidates.push_back({cloud.url, cloud.shown, url ? titleOf(*url) : cloud.name});
+    }
+    // Sets of EPT are called by their folders, which is another order than that of the list.
+    std::ranges::stable_sort(candidates, {}, &CatalogCandidate::name);
     auto files = choice_.choose(std::move(candidates), most);
     const bool isOther = files != files_;
     files_ = std::move(files);

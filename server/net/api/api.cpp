@@ -114,6 +114,7 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
       pictures_(scheduler),
       picker_(pictures_, scheduler, options_.version),
       photos_(admission_, options_.memory),
+      points_(options_.memory, options_.points),
       measurer_(admission_, options_.memory, options_.maxPixels) {}
 
 /// What routes answer, where that is more than a line. Lives as long as Api::answer(): what is answered later keeps
@@ -465,6 +466,10 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
             return answers.pick(std::move(respond));
         case Route::Measure:
             return answers.measure(std::move(respond));
+        case Route::Points:
+            return points_.points(request, routed, answers.clouds_, std::move(respond), gone);
+        case Route::Profile:
+            return points_.profile(request, routed, answers.clouds_, std::move(respond), gone);
         case Route::GuestLinks:
             return respond(answers.guestLink());
         case Route::GuestSession:

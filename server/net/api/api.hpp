@@ -22,6 +22,7 @@
 #include "server/net/api/router.hpp"
 #include "server/net/api/shared_pictures.hpp"
 #include "server/net/origin_check.hpp"
+#include "server/net/points/points_answers.hpp"
 #include "server/price/admission.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/stream/session_register.hpp"
@@ -48,6 +49,7 @@ struct ApiOptions {
     std::string probesHost{};             ///< of --admin-listen; a Host there may name it
     std::string strictTransport{};        ///< of answers that go through TLS; empty = none
     std::function<RanksStats()> ranks{};  ///< for /metrics; may be empty
+    PointsOptions points{};
 };
 
 class Api {
@@ -85,6 +87,7 @@ class Api {
     void stop() {
         picker_.stop();
         photos_.stop();
+        points_.stop();
         measurer_.stop();
     }
 
@@ -109,6 +112,7 @@ class Api {
     std::atomic<bool> leaving_{false};
     Picker picker_;
     PhotoAnswers photos_;
+    PointsAnswers points_;
     Measurer measurer_;
 };
 

@@ -126,10 +126,12 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
     if (!options_.origins.allowedOrigins.empty()) response.set("Vary", "Origin");
     if (isAllowedOrigin(origin, options_.origins)) {
         response.set("Access-Control-Allow-Origin", origin);
-        response.set("Access-Control-Expose-Headers",
-                     "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
-                     "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price, "
-                     "Scancast-Damaged, X-Request-Id");
+        response.set(
+            "Access-Control-Expose-Headers",
+            "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
+            "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price, "
+            "Scancast-Damaged, Scancast-Points, Scancast-Losses, Scancast-Profile, Content-Disposition, "
+            "X-Request-Id");
     }
     if (access_.isPrivate(request)) {
         for (auto& [name, value] : response.headers)

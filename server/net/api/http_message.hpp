@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "protocol/problem.hpp"
+#include "server/net/api/body_source.hpp"
 #include "server/net/log/request_ids.hpp"
 
 namespace scancast {
@@ -45,6 +46,7 @@ struct HttpResponse {
     std::string text;                                        ///< the body, unless `bytes` or `photo` is set
     std::shared_ptr<const std::vector<std::uint8_t>> bytes;  ///< a picture, shared
     std::shared_ptr<const std::vector<std::byte>> photo{};   ///< the same of what a scan brought along
+    std::shared_ptr<BodySource> source{};                    ///< the body, made while it is sent: chunked
     std::optional<Problem> problem{};                        ///< that `text` is
     std::optional<double> price{};  ///< of the picture that was drawn for it, in seconds of a core
     bool bodyUnknown = false;       ///< answer to HEAD whose length nobody has worked out: no Content-Length

@@ -31,6 +31,8 @@ enum class Route : std::uint8_t {
     Snapshot,
     Pick,
     Measure,
+    Points,
+    Profile,
     StreamMjpeg,
     Stream,
     Sessions,
@@ -77,6 +79,9 @@ inline constexpr std::array routes{
     RouteInfo{Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST", Need::Guest, false},
     RouteInfo{Route::Pick, "/api/v1/clouds/{id}/pick", "POST", Need::Guest, true},
     RouteInfo{Route::Measure, "/api/v1/clouds/{id}/measure", "POST", Need::Guest, true},
+    // Guests get pictures of profiles, and points where they may (points_answers.hpp).
+    RouteInfo{Route::Points, "/api/v1/clouds/{id}/points", "POST", Need::Guest, false},
+    RouteInfo{Route::Profile, "/api/v1/clouds/{id}/profile", "POST", Need::Guest, false},
     RouteInfo{Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Stream, "/api/v1/stream", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Sessions, "/api/v1/sessions", "GET, HEAD", Need::Admin, true},

@@ -2,31 +2,45 @@
 // `scancast serve URL` to a stream's first frame and to its final one.
 //
 //   node tests/bench/remote/first_picture.mjs PROGRAM CLOUD.scan [ROUND_TRIP_MS [FLAGS OF SERVE...]]      (tests/foreign: npm ci)
+//
+// or SET/ept.json in the place of CLOUD.scan; or --ept SCAN.copc.laz, for a set of EPT that is made of that file's voxels.
 
-import { createReadStream, statSync } from 'node:fs';
+import { createReadStream, mkdtempSync, rmSync, statSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { basename, dirname, join } from 'node:path';
 
 import { RealServer } from '../../browser/support/real_server.mjs';
+import { writeEptOfCopc } from '../../support/ept_of_copc.mjs';
 import { Line } from '../../support/line.mjs';
 
 const WebSocket = createRequire(new URL('../../foreign/package.json', import.meta.url))('ws');
-const [program, cloud, roundTrip = '50', ...flags] = process.argv.slice(2);
-const { size, mtimeMs } = statSync(cloud);
+const words = process.argv.slice(2);
+const madeAt = words[1] === '--ept' ? mkdtempSync(join(tmpdir(), 'scancast-set-')) : null;
+if (madeAt) {
+  const [, copc] = words.splice(1, 2);
+  writeEptOfCopc(copc, madeAt);
+  words.splice(1, 0, join(madeAt, 'ept.json'));
+}
+const [program, cloud, roundTrip = '50', ...flags] = words;
 let requests = 0;
 
 const storage = createServer((request, response) => {
   ++requests;
-  const [, first, last] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range).map(Number);
+  const file = join(dirname(cloud), decodeURIComponent(new URL(request.url, 'http://x').pathname).replace('/set/', ''));
+  const { size, mtimeMs } = statSync(file);
+  const [, first, last] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range)?.map(Number) ?? [0, 0, size - 1];
   const end = Math.min(last, size - 1);
-  response.writeHead(206, { ETag: `"${mtimeMs}"`, 'Content-Range': `bytes ${first}-${end}/${size}`, 'Content-Length': end - first + 1 });
-  createReadStream(cloud, { start: first, end }).pipe(response);
+  const range = request.headers.range ? { 'Content-Range': `bytes ${first}-${end}/${size}` } : {};
+  response.writeHead(request.headers.range ? 206 : 200, { ETag: `"${mtimeMs}"`, 'Content-Length': end - first + 1, ...range });
+  createReadStream(file, { start: first, end }).pipe(response);
 });
 await new Promise((done) => storage.listen(0, '127.0.0.1', done));
 const line = new Line(storage.address().port, Number(roundTrip));
 const port = await line.start();
 const start = performance.now();
-const server = new RealServer(program, [`http://127.0.0.1:${port}/cloud.scan`], flags);
+const server = new RealServer(program, [`http://127.0.0.1:${port}/set/${basename(cloud)}`], flags);
 const url = await server.start();
 
 const told = (what) => console.log(`${what}: ${((performance.now() - start) / 1000).toFixed(2)} s, ${(line.bytes / 1e6).toFixed(1)} MB, ${requests} requests, ${line.connections} connections`);
@@ -51,4 +65,5 @@ await new Promise((done) => {
 await server.stop();
 line.stop();
 storage.close();
+if (madeAt) rmSync(madeAt, { recursive: true, force: true });
 process.exit(0);

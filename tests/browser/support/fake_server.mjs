@@ -228,9 +228,11 @@ class FakeSession {
   }
 
   sendStats(frame) {
+    const ends = { elevation: [this.cloud.bounds.min[2], this.cloud.bounds.max[2]], intensity: [0, 255] }[this.view.color] ?? null;
     const auto = this.view.method === 'auto' ? { methodReason: 'coloured points: they close the gaps' } : {};
     this.socket.sendText(JSON.stringify({
       type: 'stats', frame, seq: this.seq, fps: 30, method: auto.methodReason ? 'paraboloid' : this.view.method, ...auto, detail: 1, samples: 812_345, points: 1_100_000, dropped: 0,
+      color: this.view.color, colormap: this.view.colormap, range: ends,
       stages: [{ name: 'select', milliseconds: 0.4 }, { name: 'nearest', milliseconds: 2.1 }, { name: 'encode', milliseconds: 1.1 }],
     }));
   }
@@ -363,7 +365,7 @@ export class FakeServer {
           'auto', 'rgb*intensity', 'elevation*intensity', 'classification*intensity',
           'rgb', 'intensity', 'elevation', 'classification', 'normal', 'depth', 'lod', 'visibility',
         ],
-        colormaps: ['viridis', 'turbo', 'grey'], shadings: ['unlit', 'phong', 'eyedome'],
+        colormaps: ['viridis', 'turbo', 'grey'], ramps: { viridis: ['#440154', '#21918c', '#fde725'], turbo: ['#30123b', '#7a0403'], grey: ['#000000', '#ffffff'] }, shadings: ['unlit', 'phong', 'eyedome'],
       });
     }
     if (pathname.endsWith('/views')) {

@@ -13,7 +13,7 @@ const headerLength = 227;
 const recordLength = 26;
 const step = 0.001;
 
-/** `points`: arrays of x, y, z, r, g, b with colours 0–255. */
+/** `points`: arrays of x, y, z, r, g, b with colours 0–255, and a class after them, 1 where there is none. */
 export function lasBytes(points) {
   const bytes = Buffer.alloc(headerLength + points.length * recordLength);
   bytes.write('LASF');
@@ -36,7 +36,7 @@ export function lasBytes(points) {
     for (let axis = 0; axis < 3; ++axis) bytes.writeInt32LE(Math.round(point[axis] / step), at + 4 * axis);
     bytes.writeUInt16LE(Math.round(20 + 200 * (point[3] / 255)), at + 12); // intensity
     bytes[at + 14] = 0b001001; // first return of one
-    bytes[at + 15] = 1;
+    bytes[at + 15] = point[6] ?? 1;
     for (let channel = 0; channel < 3; ++channel) bytes.writeUInt16LE(point[3 + channel] * 257, at + 20 + 2 * channel);
   });
   return bytes;
@@ -76,6 +76,18 @@ function yard(count) {
     const aside = Math.sqrt(1 - z * z);
     return [-9 + 3 * aside * Math.cos(a), 3 * aside * Math.sin(a), 5 + 3 * z, ...painted(60, 120, 50)];
   });
+}
+
+/** Ground of 40 × 40 (class 2, brown) about the origin, and on it a block whose roof is 10 × 10 (class 6, red), with a corner at (0, 0, 6). */
+export function writePlot(count = 120_000) {
+  const next = random(16);
+  const points = Array.from({ length: count }, (_, i) => (i % 3 === 0
+    ? [next() * 10, next() * 10, 6, 220, 30, 30, 6]
+    : [next() * 40 - 20, next() * 40 - 20, 0, 120, 100, 60, 2]));
+  const folder = mkdtempSync(join(tmpdir(), 'scancast-plot-'));
+  const file = join(folder, 'plot.las');
+  writeFileSync(file, lasBytes(points));
+  return { file, remove: () => rmSync(folder, { recursive: true, force: true }) };
 }
 
 /** Where the court lies: a survey's coordinates. */

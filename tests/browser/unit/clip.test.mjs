@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
-import { alongNormal, axesOf, edgesOf, facesOf, onLevel, placeIn, rounded, turnedTo, withFaceMoved } from '../../../client/web/clip/box.js';
+import { alongNormal, axesOf, edgesOf, facesOf, onLevel, outlineOf, placeIn, rounded, turnedTo, withFaceMoved, withPlaneMoved } from '../../../client/web/clip/box.js';
 import { handlesOf } from '../../../client/web/clip/clip_marks.js';
 import { knowsClips } from '../../../client/web/clip/clipping.js';
 import { add, dot, length, scale, subtract } from '../../../client/web/view/vectors.js';
@@ -59,13 +59,23 @@ describe('a box', () => {
     assert.deepEqual(turned.turn, [45, 0, 0]);
     assert.equal(turnedTo(box, add(box.center, [0, 0, 1])), box);
     const up = { ...box, turn: [0, 0, 0] };
-    assert.deepEqual(handlesOf(up).map(({ kind }) => kind).filter((kind) => kind !== 'face'), ['move', 'turn']);
+    assert.deepEqual(handlesOf({ box: up }).map(({ kind }) => kind).filter((kind) => kind !== 'face'), ['move', 'turn']);
     near(placeIn(up, [1, 1, 1]), add(up.center, scale(up.size, 0.5)));
   });
   it('has the digits that a hand means, and keeps an inside', () => {
     assert.deepEqual(rounded({ center: [389500.123456, 1.00049, -2], size: [12.34567, 3, 1], turn: [0, 0, 0] }), { center: [389500.12, 1, -2], size: [12.35, 3, 1], turn: [0, 0, 0] });
     assert.deepEqual(rounded({ center: [0, 0, 0], size: [1e4, 1e-3, 1] }).size, [1e4, 1e-3, 1]);
   });
+});
+
+it('a half-space is drawn as a square of its plane, and moves along its normal', () => {
+  const plane = { point: [4e5, 5e6, 30], normal: [1, 2, -2] };
+  for (const [a, b] of outlineOf(plane, 6)) {
+    near([dot(subtract(a, plane.point), plane.normal), length(subtract(b, a)), length(subtract(a, plane.point))], [0, 6, 3 * Math.SQRT2], 1e-6);
+  }
+  near(withPlaneMoved(plane, 3, 3).point, [4e5 + 1, 5e6 + 2, 28]);
+  assert.deepEqual(handlesOf({ plane }, 5).map(({ kind }) => kind), ['face', 'side']);
+  near([dot(subtract(handlesOf({ plane }, 5)[1].at, plane.point), plane.normal)], [3]);
 });
 
 it('a drag moves a face by as much as its normal is long on screen, and not where one looks along it', () => {

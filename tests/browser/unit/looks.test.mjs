@@ -5,7 +5,7 @@ import { readFileSync } from 'node:fs';
 import { describe, it } from 'node:test';
 
 import { backgroundNamed } from '../../../client/web/page/controls.js';
-import { colourOfClass, colourOptions, takesIntensity } from '../../../client/web/page/colour_choice.js';
+import { colourOptions, takesIntensity } from '../../../client/web/page/colour_choice.js';
 import { nearestHeight, sheetHeights } from '../../../client/web/page/layout.js';
 import { lackingFor, quickChoices, wordFor } from '../../../client/web/page/method_choice.js';
 import { asksToPresent } from '../../../client/web/page/presentation.js';
@@ -52,16 +52,6 @@ describe('colours', () => {
     const cloud = { attributes: [{ name: 'intensity' }] };
     assert.deepEqual(['rgb', 'elevation', '#ff0000', 'intensity', 'auto'].map((one) => takesIntensity(one, colors, cloud)), [true, true, true, false, false]);
     assert.ok(!takesIntensity('rgb', colors, bare));
-  });
-  it('of classes are the server’s', () => {
-    // renderer/image/colormap.cpp is the other place that knows them.
-    const source = readFileSync(new URL('../../../renderer/image/colormap.cpp', import.meta.url), 'utf8');
-    const table = source.slice(source.indexOf('classificationColors'), source.indexOf('curvatureColors'));
-    const listed = [...table.matchAll(/\{(\d+), (\d+), (\d+)\}\}*[,}]/g)].map(([, ...rgb]) => `#${rgb.map((one) => Number(one).toString(16).padStart(2, '0')).join('')}`);
-    assert.equal(listed.length, 19);
-    listed.forEach((colour, number) => assert.equal(colourOfClass(number), colour, `class ${number}`));
-    assert.match(table, /90 \+ i \* 53 % 150.*90 \+ i \* 101 % 150.*90 \+ i \* 197 % 150/s);
-    assert.equal(colourOfClass(26), `rgb(${90 + ((26 * 53) % 150)}, ${90 + ((26 * 101) % 150)}, ${90 + ((26 * 197) % 150)})`);
   });
   it('of backgrounds have names', () => {
     assert.deepEqual([null, undefined, ['#3a424e', '#16191e'], '#ffffff', '#000000', ['#f4f6f8', '#c3ccd5'], '#123456', 'transparent'].map(backgroundNamed),

@@ -4,13 +4,14 @@ import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
 import { questionOf } from '../../../client/web/measure/answers.js';
+import { systemText } from '../../../client/web/measure/coordinates.js';
 import { Draft, stepOf } from '../../../client/web/measure/draft.js';
 import { csvOf, dxfOf, geoJsonOf, isWgs84 } from '../../../client/web/measure/export.js';
 import { parseMeasures, printMeasures } from '../../../client/web/measure/link.js';
 import { Measures, mostMeasures, unknownOf } from '../../../client/web/measure/measures.js';
 import { isCovered, nearestTo, Places } from '../../../client/web/measure/places.js';
 import { parseProject, printProject, ProjectError } from '../../../client/web/measure/project.js';
-import { decimalsFor, exactText, measuresLengths, placeText, unitOf, unitsFor, valueText } from '../../../client/web/measure/units.js';
+import { decimalsFor, exactText, heightFactor, measuresLengths, placeText, unitOf, unitsFor, valueText } from '../../../client/web/measure/units.js';
 import { boundsOf, circleThrough, crossesItself, figureOf, kinds, valuesOf } from '../../../client/web/measure/values.js';
 import { strings } from '../../../client/web/page/strings.js';
 import { project as projected } from '../../../client/web/view/camera.js';
@@ -161,6 +162,13 @@ describe('digits and units', () => {
     assert.equal(valueText(length, unitOf('US survey foot', 'ft')), '10.000 ft (US)');
     assert.equal(valueText({ ...length, value: 3937 }, unitOf('US survey foot', 'm')), '1,200.0000 m');
     assert.equal(valueText(length, unitOf('', 'm')), '10.000');
+    // Where z is in another unit than x and y, it counts as that.
+    const mixed = { crsUnit: 'foot', crs: { verticalUnit: 'metre' } };
+    near(heightFactor(mixed), 1 / 0.3048);
+    assert.equal(heightFactor({ crsUnit: 'foot' }), 1);
+    near(valuesOf(made('distance', at([0, 0, 0], [3, 0, 4 * 0.3048])), heightFactor(mixed))[0].value, 5);
+    near(figureOf(made('distance', at([0, 0, 0], [3, 0, 4 * 0.3048], [9, 9, 9])), heightFactor(mixed)).legs[0].length, 5);
+    assert.equal(systemText({ ...mixed, crsName: 'NAD83' }), 'ft, z m · NAD83');
     assert.ok(!measuresLengths('degree') && measuresLengths('') && measuresLengths('metre'));
   });
 });

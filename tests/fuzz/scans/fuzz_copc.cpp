@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "renderer/cloud/import/stream/chunk_messages.hpp"
-#include "tests/unit/copc/copc_bytes.hpp"
+#include "tests/unit/native/copc_bytes.hpp"
 
 namespace {
 

@@ -1,22 +1,19 @@
-"""`scancast export` as people run it, read back by nothing of ours: LAS and PLY by struct, as their specifications lay
-them out, CSV by csv; a generated town, ingested exactly, is the oracle.
+"""`scancast export` as people run it, read back by nothing of ours (point_files.py); a generated town, ingested exactly, is the oracle.
 
     export_test.py FOLDER_OF_THE_PROGRAMS
 """
-import collections
-import csv
 import os
 import resource
 import signal
-import struct
 import subprocess
 import sys
 import tempfile
 import unittest
 
+from point_files import in_polygon, read_csv, read_las, read_ply
+
 PROGRAMS = os.path.abspath(sys.argv.pop())
 POINTS = 20000
-Point = collections.namedtuple("Point", "x y z intensity color classification")
 
 
 def run(*arguments, fails=False, **options):
@@ -25,57 +22,6 @@ def run(*arguments, fails=False, **options):
     if (done.returncode != 0) != fails:
         raise AssertionError(f"{' '.join(arguments)} ended with {done.returncode}:\n{done.stderr.decode()[-2000:]}")
     return done
-
-
-def read_las(data):
-    """Header and points of LAS 1.0 to 1.4 (ASPRS LAS 1.4 R15, tables 3, 7, 10, 14 and 15)."""
-    assert data[:4] == b"LASF"
-    header_bytes, offset, records, form, length, legacy = struct.unpack_from("<HIIBHI", data, 94)
-    minor = data[25]
-    count = struct.unpack_from("<Q", data, 247)[0] if minor == 4 else legacy
-    scale, origin = struct.unpack_from("<3d", data, 131), struct.unpack_from("<3d", data, 155)
-    bounds = struct.unpack_from("<6d", data, 179)
-    at, found = header_bytes, []
-    for _ in range(records):
-        user, number, size = struct.unpack_from("<2x16sHH", data, at)
-        found.append((user.rstrip(b"\0").decode(), number, data[at + 54:at + 54 + size]))
-        at += 54 + size
-    assert at == offset, "the points stand directly behind the records"
-    assert len(data) == offset + count * length
-    color_at = {2: 20, 3: 28, 7: 30, 8: 30}.get(form)
-    points = []
-    for i in range(count):
-        record = data[offset + i * length:offset + (i + 1) * length]
-        steps = struct.unpack_from("<3i", record)
-        color = tuple(c >> 8 for c in struct.unpack_from("<3H", record, color_at)) if color_at else None
-        points.append(Point(*steps, struct.unpack_from("<H", record, 12)[0], color,
-                            record[16] if form >= 6 else record[15] & 31))
-    return {"minor": minor, "format": form, "scale": scale, "offset": origin, "bounds": bounds, "records": found,
-            "legacy": legacy, "length": length,
-            "returns": struct.unpack_from("<15Q", data, 255) if minor == 4 else ()}, points
-
-
-def read_ply(data, scale, origin):
-    sizes = {"double": "d", "float": "f", "uchar": "B", "char": "b", "ushort": "H", "short": "h", "uint": "I", "int": "i"}
-    head, _, body = data.partition(b"end_header\n")
-    lines = head.decode("ascii").splitlines()
-    assert lines[:2] == ["ply", "format binary_little_endian 1.0"]
-    count = next(int(line.split()[2]) for line in lines if line.startswith("element vertex"))
-    properties = [line.split()[1:] for line in lines if line.startswith("property")]
-    form = struct.Struct("<" + "".join(sizes[kind] for kind, _ in properties))
-    assert len(body) == count * form.size
-    names = [name for _, name in properties]
-    return [to_point(dict(zip(names, values)), scale, origin) for values in form.iter_unpack(body)]
-
-
-def read_csv(text, scale, origin):
-    return [to_point({k: float(v) for k, v in row.items()}, scale, origin) for row in csv.DictReader(text.splitlines())]
-
-
-def to_point(values, scale, origin):
-    steps = (round((values[axis] - o) / s) for axis, s, o in zip("xyz", scale, origin))
-    return Point(*steps, int(values["intensity"]), tuple(int(values[c]) for c in ("red", "green", "blue")),
-                 int(values["classification"]))
 
 
 class Export(unittest.TestCase):
@@ -133,6 +79,12 @@ class Export(unittest.TestCase):
 
         wanted = [p for p in self.points if inside(p)]
         self.assertTrue(0 < len(wanted) < POINTS)
+        triangle = [(low[0], low[1]), (high[0], low[1] + 10), (middle[0], high[1])]
+        flat = [p for p in self.points if in_polygon(triangle, *(o + s * v for s, o, v in zip(scale, origin, p[:2])))
+                and 35 <= origin[2] + scale[2] * p.z <= 50]
+        self.assertTrue(0 < len(flat) < POINTS)
+        self.same(read_las(self.written("polygon.las", "--polygon", ";".join(f"{x},{y}" for x, y in triangle), "--z", "35,50"))[1],
+                  flat)
         for flag in ("--clip", "--box"):
             self.same(read_las(self.written("part.las", flag, box))[1], wanted)
         self.same(read_ply(self.written("part.ply", "--clip", box, "--classes", "2,6"), scale, origin),

@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
@@ -17,6 +18,7 @@
 #include "renderer/cloud/export/cloud_points.hpp"
 #include "renderer/cloud/export/column_values.hpp"
 #include "renderer/cloud/export/export_points.hpp"
+#include "renderer/cloud/export/survey_ahead.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "tests/support/clouds/read_all.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
@@ -71,7 +73,7 @@ class Export : public ::testing::Test {
     }
 
     ExportReport exported(const std::shared_ptr<const CloudFile>& cloud, const std::string& name,
-                          const ExportRegion& region = {}) {
+                          const PointsRegion& region = {}) {
         const auto report = exportCloud(
             cloud, {.output = file(name).string(), .format = *exportFormatOf(name), .region = region});
         EXPECT_TRUE(report) << report.error().message;
@@ -227,7 +229,7 @@ TEST_F(Export, ARegionIsWhatLiesInIt) {
     const auto cloud = cloudOf(survey(points), plainShape);
     ASSERT_TRUE(cloud);
     const glm::dvec3 origin = cloud->facts().grid->origin, step = cloud->facts().grid->step;
-    ExportRegion region;
+    PointsRegion region;
     region.clip = ClipBox{{500'040, 5'400'030, 290}, {500'150.5, 5'400'111.25, 302}};
     region.classes.emplace().set(2).set(5);
     // Brute force over the scan's own points.
@@ -253,6 +255,179 @@ TEST_F(Export, ARegionIsWhatLiesInIt) {
     EXPECT_EQ(nothing.error().code, ErrorCode::Empty);
     EXPECT_FALSE(fs::exists(file("none.las")));
     EXPECT_EQ(folder_.entries(), 4u) << "and nothing beside it";
+}
+
+/// Counts what is read of it.
+class CountedFile final : public CloudFile {
+  public:
+    explicit CountedFile(std::shared_ptr<const CloudFile> file) : file_(std::move(file)) {}
+
+    std::size_t blocks() const { return blocks_; }
+    const fs::path& path() const override { return file_->path(); }
+    std::uint64_t bytes() const override { return file_->bytes(); }
+    const CloudFacts& facts() const override { return file_->facts(); }
+    std::span<const StoredNode> nodes() const override { return file_->nodes(); }
+    Expected<std::vector<Sample>> samples(std::uint32_t node) const override {
+        ++blocks_;
+        return file_->samples(node);
+    }
+    std::span<const ValuePlane> planes() const override { return file_->planes(); }
+    Expected<std::vector<std::byte>> plane(std::uint32_t node, std::size_t index) const override {
+        return file_->plane(node, index);
+    }
+    BlockPlace planePlace(std::uint32_t node, std::size_t index) const override {
+        return file_->planePlace(node, index);
+    }
+    Expected<std::vector<std::byte>> rows(std::uint32_t node) const override { return file_->rows(node); }
+
+  private:
+    const std::shared_ptr<const CloudFile> file_;
+    mutable std::atomic<std::size_t> blocks_{0};
+};
+
+PointSurvey surveyAhead(const std::shared_ptr<const CloudFile>& file, const CloudPointsOptions& what,
+                        ExportFormat format) {
+    SurveyAhead survey(file, what, format);
+    for (;;) {
+        const auto more = survey.step();
+        EXPECT_TRUE(more) << more.error().message;
+        if (!more || !*more) return survey.survey();
+    }
+}
+
+PointSurvey surveyByReading(const std::shared_ptr<const CloudFile>& file, const CloudPointsOptions& what) {
+    const auto source = cloudPoints(file, what);
+    PointSurvey survey;
+    PointBatch batch;
+    while (*source->read(batch)) survey.add(batch, source->header());
+    return survey;
+}
+
+std::vector<PointsRegion> someRegions(const CloudFacts& facts) {
+    const glm::dvec3 low = facts.bounds[0], size = facts.bounds[1] - facts.bounds[0];
+    const auto at = [&](double x, double y) { return glm::dvec2(low) + glm::dvec2(x, y) * glm::dvec2(size); };
+    std::vector<PointsRegion> regions(6);
+    regions[1].clip = ClipBox{low - 1.0, low + size * glm::dvec3(0.6, 0.5, 2)};
+    regions[2].polygon = PlanPolygon{at(0.1, -0.1), at(0.9, 0.2), at(0.5, 0.9), at(0.5, 0.4)};
+    regions[3].z = {low.z + 0.2 * size.z, low.z + 0.6 * size.z};
+    regions[4].clips = {TurnedBox{.center = low + 0.5 * size, .size = size * 0.7, .turn = {25, 0, 0}}};
+    regions[5].classes.emplace().set(2).set(5);
+    return regions;
+}
+
+// Right because the other way reads every point. Exact clouds, too, whose leaves say less than their planes, with returns.
+TEST_F(Export, ASurveyAheadKnowsWhatReadingFinds) {
+    const std::size_t points = test::sized(40'000, 6'000);
+    std::vector<std::shared_ptr<const CloudFile>> clouds{cloudOf(survey(points), plainShape)};
+    for (const std::int64_t reach : {std::int64_t(2147483647), std::int64_t(20'000)})
+        clouds.push_back(cloudOf({folder_.write("in.las", anyLas(6, points, reach))}, exactShape));
+    for (const auto& cloud : clouds) {
+        ASSERT_TRUE(cloud);
+        for (const PointsRegion& region : someRegions(cloud->facts())) {
+            const CloudPointsOptions what = cloudPointsOptions({.output = {}, .region = region});
+            const PointSurvey expected = surveyByReading(cloud, what);
+            const PointSurvey las = surveyAhead(cloud, what, ExportFormat::Las);
+            EXPECT_EQ(las.points, expected.points);
+            EXPECT_EQ(las.returns, expected.returns);
+            EXPECT_EQ(las.low, expected.low);
+            EXPECT_EQ(las.high, expected.high);
+            EXPECT_EQ(surveyAhead(cloud, what, ExportFormat::Ply).points, expected.points);
+        }
+    }
+}
+
+TEST_F(Export, NodesOutsideAreNotReadAndThoseInsideAreNotCounted) {
+    const auto cloud = cloudOf(survey(test::sized(200'000, 40'000)), plainShape);
+    ASSERT_TRUE(cloud);
+    const auto counted = std::make_shared<const CountedFile>(cloud);
+    const glm::dvec3 low = cloud->facts().bounds[0];
+    const CloudPointsOptions half = cloudPointsOptions(
+        {.output = {}, .region = {.clip = ClipBox{low - 1.0, low + glm::dvec3(100, 300, 300)}}});
+    const auto leaves = wantedLeaves(*cloud, half);
+    const auto whole =
+        std::size_t(std::ranges::count_if(leaves, [](const WantedLeaf& leaf) { return leaf.whole; }));
+    EXPECT_GT(whole, leaves.size() / 3);
+    EXPECT_LT(leaves.size(), wantedLeaves(*cloud, {}).size() * 3 / 4);
+    surveyAhead(counted, half, ExportFormat::Ply);
+    EXPECT_EQ(counted->blocks(), leaves.size() - whole);
+    surveyAhead(counted, {}, ExportFormat::Las);
+    EXPECT_LE(counted->blocks(), leaves.size() - whole + 40) << "its bounds are those of a few leaves";
+    const auto corridor = Corridor::create({glm::dvec2(low), glm::dvec2(low) + 20.0}, 1);
+    ASSERT_TRUE(corridor);
+    const std::size_t before = counted->blocks();
+    surveyByReading(counted, {.corridor = std::make_shared<const Corridor>(*corridor)});
+    EXPECT_LT(counted->blocks() - before, wantedLeaves(*cloud, {}).size() / 3);
+}
+
+// What cannot be gone back in - a pipe, a connection - gets the same bytes as a file.
+TEST_F(Export, AStreamGetsTheBytesOfAFile) {
+    const std::size_t points = test::sized(20'000, 5'000);
+    const auto cloud = cloudOf({folder_.write("in.las", anyLas(6, points, 2147483647))}, exactShape);
+    ASSERT_TRUE(cloud);
+    for (const PointsRegion& region : someRegions(cloud->facts())) {
+        const CloudPointsOptions what = cloudPointsOptions({.output = {}, .region = region});
+        if (surveyByReading(cloud, what).points == 0) continue;
+        for (const char* name : {"out.las", "out.ply", "out.csv"}) {
+            const ExportFormat format = *exportFormatOf(name);
+            exported(cloud, name, region);
+            std::string bytes;
+            auto to = OutputFile::to([&](std::span<const std::byte> more) -> Expected<void> {
+                bytes.append(reinterpret_cast<const char*>(more.data()), more.size());
+                return {};
+            });
+            const auto source = cloudPoints(cloud, what);
+            auto writer =
+                createExport(format, std::move(to), source->header(), surveyAhead(cloud, what, format));
+            ASSERT_TRUE(writer);
+            PointBatch batch;
+            PointSurvey written;
+            while (*source->read(batch)) {
+                written.add(batch, source->header());
+                ASSERT_TRUE((*writer)->write(batch));
+            }
+            ASSERT_TRUE((*writer)->finish(written));
+            EXPECT_TRUE(bytes == test::contentOf(file(name))) << name;
+        }
+    }
+}
+
+// Every column as it is without a corridor, and two more before them.
+TEST_F(Export, AProfileHasEveryPointOfItsCorridorWithAllThatWasKept) {
+    const std::size_t points = test::sized(30'000, 6'000);
+    const auto cloud = cloudOf({folder_.write("in.las", anyLas(3, points, 20'000))}, exactShape);
+    ASSERT_TRUE(cloud);
+    const glm::dvec2 low(cloud->facts().bounds[0]), high(cloud->facts().bounds[1]);
+    const auto corridor = Corridor::create({low, {high.x, low.y + 3}, high}, 6);
+    ASSERT_TRUE(corridor);
+    const auto all = cloudPoints(cloud),
+               along = cloudPoints(cloud, {.corridor = std::make_shared<const Corridor>(*corridor)});
+    const std::size_t stride = rowBytes(all->header().columns), wide = rowBytes(along->header().columns);
+    ASSERT_EQ(wide, stride + 16);
+    ASSERT_EQ(along->header().columns[0].name, "station");
+    ASSERT_EQ(along->header().columns[1].name, "offset");
+    const auto everything = test::readAll(*all), found = test::readAll(*along);
+    ASSERT_TRUE(everything && found);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < everything->size(); ++i) {
+        const auto place = corridor->place(glm::dvec2(everything->position[i]));
+        if (!place) continue;
+        ASSERT_LT(at, found->size());
+        ASSERT_EQ(found->position[at], everything->position[i]);
+        ASSERT_EQ(found->color[at], everything->color[i]);
+        ASSERT_EQ(found->intensity[at], everything->intensity[i]);
+        ASSERT_EQ(found->classification[at], everything->classification[i]);
+        double station = 0, offset = 0;
+        std::memcpy(&station, found->rows.data() + at * wide, 8);
+        std::memcpy(&offset, found->rows.data() + at * wide + 8, 8);
+        ASSERT_EQ(station, place->station);
+        ASSERT_EQ(offset, place->offset);
+        ASSERT_EQ(
+            std::memcmp(found->rows.data() + at * wide + 16, everything->rows.data() + i * stride, stride),
+            0);
+        ++at;
+    }
+    EXPECT_EQ(at, found->size());
+    EXPECT_GT(at, points / 20);
 }
 
 TEST_F(Export, RoundingIsToldAndHolds) {

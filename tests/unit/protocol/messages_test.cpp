@@ -137,6 +137,9 @@ TEST(ServerMessages, RoundTrip) {
     welcome.view = toJson(View{});
     Stats stats{12,   34, 29.5,    1.25,   100'000,   2'000'000, 3, {{"select", 0.5}, {"encode", 2.25}},
                 0.75, 63, 250'000, "cone", "why not", true};
+    stats.color = "intensity";
+    stats.colormap = "turbo";
+    stats.range = {1.5, 200.0};
     const auto problem = problemOf(Error{ErrorCode::InvalidArgument, "no", "camera.fov"});
     const std::vector<ServerMessage> all{welcome,
                                          Stats{},

@@ -99,6 +99,7 @@ TEST(CloudListTest, aNameALineOrJson) {
     EXPECT_THAT(*parseCloudList("\xef\xbb\xbftown.scan"), ElementsAre("town.scan"));
     EXPECT_THAT(*parseCloudList(R"(["a.scan", "b c.scan"])"), ElementsAre("a.scan", "b c.scan"));
     EXPECT_THAT(*parseCloudList(R"({"clouds": ["a.scan"], "more": 1})"), ElementsAre("a.scan"));
+    EXPECT_THAT(*parseCloudList("town/ept.json\n"), ElementsAre("town/ept.json"));
     EXPECT_THAT(*parseCloudList("# none\n"), IsEmpty());
     EXPECT_THAT(*parseCloudList("[]"), IsEmpty());
     for (const std::string none : {"", " \n", "<html></html>", "[1]", "{}", "[",

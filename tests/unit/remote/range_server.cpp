@@ -54,6 +54,23 @@ void RangeServer::replace(std::string content, std::string etag) {
     etag_ = std::move(etag);
 }
 
+void RangeServer::others(std::string path, std::map<std::string, std::string> contents) {
+    const std::lock_guard lock(mutex_);
+    path_ = std::move(path);
+    others_ = std::move(contents);
+}
+
+void RangeServer::refuse(std::string path) {
+    const std::lock_guard lock(mutex_);
+    refused_ = std::move(path);
+}
+
+int RangeServer::requests(const std::string& path) const {
+    const std::lock_guard lock(mutex_);
+    const auto at = asked_.find(path);
+    return at == asked_.end() ? 0 : at->second;
+}
+
 std::string RangeServer::lastHead() const {
     const std::lock_guard lock(mutex_);
     return head_;
@@ -98,11 +115,14 @@ std::string RangeServer::answer(const std::string& head, bool& close, bool& drip
     const std::lock_guard lock(mutex_);
     const int number = requests_++;
     head_ = head;
+    const std::string path = head.substr(4, head.find_first_of(" ?", 4) - 4);
+    ++asked_[path];
     const Does does = script_ ? script_(number) : Does::Well;
     const auto plain = [](int status, const std::string& more, const std::string& body) {
         return fmt::format("HTTP/1.1 {} Said\r\n{}Content-Length: {}\r\n\r\n{}", status, more, body.size(),
                            body);
     };
+    if (!refused_.empty() && path == refused_) return plain(403, "", "<Code>AccessDenied</Code>");
     if (does == Does::Answers503) return plain(503, "Retry-After: 0\r\n", "");
     if (does == Does::Answers404) return plain(404, "", "no");
     if (does == Does::Answers403)
@@ -114,6 +134,13 @@ std::string RangeServer::answer(const std::string& head, bool& close, bool& drip
     if (does == Does::Hangs) return close = true, std::string();
     if (does == Does::Silent) return {};
     drips = does == Does::Drips;
+    if (!path_.empty() && path != path_) {
+        const auto other = others_.find(path);
+        if (other == others_.end()) return plain(404, "", "no");
+        std::string all = plain(200, "ETag: \"other\"\r\n", other->second);
+        if (does == Does::BreaksOff) close = true, all.resize(all.size() - other->second.size() / 2 - 1);
+        return all;
+    }
     if (const auto at = head.find("If-Match: ");
         at != head.npos && head.substr(at + 10, etag_.size()) != etag_)
         return plain(412, "", "");

@@ -1,10 +1,11 @@
-// A small HTTP server of one object, that does what a test tells it to do wrong. Threads of its own, one for each connection; gone
+// A small HTTP server of one object, or of some, that does what a test tells it to do wrong. Threads of its own, one for each connection; gone
 // with the object. *Thread safety*: every function may be called from any thread.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -41,6 +42,12 @@ class RangeServer {
     void script(Script script);
     /// The object is another one from now on.
     void replace(std::string content, std::string etag);
+    /// Other objects, by their paths: "/town/ept-data/0-0-0-0.bin". From now on what is neither one of them nor at `path` is not there.
+    void others(std::string path, std::map<std::string, std::string> contents);
+    /// One of them is refused, whatever the script says.
+    void refuse(std::string path);
+    /// How often a path was asked for.
+    int requests(const std::string& path) const;
     /// Connections are closed as they come, and those that there are, too.
     void goAway(bool away) { away_ = away; }
     int requests() const { return requests_; }
@@ -57,6 +64,9 @@ class RangeServer {
     std::atomic<int> requests_{0};
     mutable std::mutex mutex_;  // guards what follows
     std::string content_, etag_ = "\"first\"", head_;
+    std::string path_, refused_;
+    std::map<std::string, std::string> others_;
+    std::map<std::string, int> asked_;
     Script script_;
     std::vector<int> connections_;
     std::vector<std::thread> threads_;

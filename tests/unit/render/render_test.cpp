@@ -286,6 +286,26 @@ TEST(Render, ElevationRangeIsInFileCoordinates) {
     EXPECT_NEAR(device.color.high, 1.5, 1e-9);
 }
 
+TEST(Plan, TellsWhatTheRampsEndsStandForWhoeverChoseThem) {
+    Cloud cloud = fourPoints();
+    View view = fromAbove(cloud);
+    const auto ends = [&](ColorSource color) {
+        view.style.color = color;
+        const auto planned = plan(cloud, view);
+        return planned ? (*planned)->colorRange : std::nullopt;
+    };
+    EXPECT_EQ(ends(ColorSource::Intensity), (std::array{10.0, 200.0}));
+    EXPECT_EQ(ends(ColorSource::Elevation), (std::array{100.0, 102.0}));
+    EXPECT_EQ(ends(ColorSource::Lod), std::nullopt);
+    const auto depth = ends(ColorSource::Depth);
+    ASSERT_TRUE(depth);
+    EXPECT_LT((*depth)[0], (*depth)[1]);
+    view.style.range = {{100.5, 101.5}};
+    EXPECT_EQ(ends(ColorSource::Elevation), view.style.range);
+    cloud.attributes.classification = true;
+    EXPECT_EQ(ends(ColorSource::Classification), std::nullopt) << "a range means nothing to classes";
+}
+
 TEST(Render, ColoursThatTheCloudLacksAreRefusedWithThoseItHas) {
     const Cloud cloud = fourPoints();
     View view = fromAbove(cloud);

@@ -7,7 +7,7 @@ namespace scancast::chunk_messages {
 
 namespace {
 
-constexpr std::uint32_t requestMagic = 0x31514353, answerMagic = 0x31414353;  // "SCQ1", "SCA1"
+constexpr std::uint32_t requestMagic = 0x32514353, answerMagic = 0x31414353;  // "SCQ2", "SCA1"
 constexpr std::array<ErrorCode, 4> errors{ErrorCode::Malformed, ErrorCode::Truncated, ErrorCode::Unsupported,
                                           ErrorCode::ResourceLimit};
 
@@ -22,11 +22,12 @@ std::uint32_t numberOf(ErrorCode code) {
 std::array<std::byte, requestHeadBytes> encode(const RequestHead& head) {
     std::array<std::byte, requestHeadBytes> bytes{};
     storeLe(bytes.data(), requestMagic);
-    storeLe(bytes.data() + 4, head.pointFormat);
-    storeLe(bytes.data() + 8, head.recordBytes);
-    storeLe(bytes.data() + 12, head.laszipBytes);
-    storeLe(bytes.data() + 16, head.points);
-    storeLe(bytes.data() + 24, head.chunkBytes);
+    storeLe(bytes.data() + 4, std::uint32_t(head.packing));
+    storeLe(bytes.data() + 8, head.pointFormat);
+    storeLe(bytes.data() + 12, head.recordBytes);
+    storeLe(bytes.data() + 16, head.laszipBytes);
+    storeLe(bytes.data() + 24, head.points);
+    storeLe(bytes.data() + 32, head.chunkBytes);
     return bytes;
 }
 
@@ -41,13 +42,16 @@ std::array<std::byte, answerHeadBytes> encode(const AnswerHead& head) {
 Expected<RequestHead> parseRequest(std::span<const std::byte, requestHeadBytes> bytes) {
     if (loadLe<std::uint32_t>(bytes.data()) != requestMagic)
         return fail(ErrorCode::Malformed, "the request is none");
+    const auto packing = loadLe<std::uint32_t>(bytes.data() + 4);
     RequestHead head;
-    head.pointFormat = loadLe<std::uint32_t>(bytes.data() + 4);
-    head.recordBytes = loadLe<std::uint32_t>(bytes.data() + 8);
-    head.laszipBytes = loadLe<std::uint32_t>(bytes.data() + 12);
-    head.points = loadLe<std::uint64_t>(bytes.data() + 16);
-    head.chunkBytes = loadLe<std::uint64_t>(bytes.data() + 24);
-    if (head.pointFormat > 10 || head.recordBytes == 0 || head.recordBytes > 65535 ||
+    head.packing = Packing(packing);
+    head.pointFormat = loadLe<std::uint32_t>(bytes.data() + 8);
+    head.recordBytes = loadLe<std::uint32_t>(bytes.data() + 12);
+    head.laszipBytes = loadLe<std::uint32_t>(bytes.data() + 16);
+    head.points = loadLe<std::uint64_t>(bytes.data() + 24);
+    head.chunkBytes = loadLe<std::uint64_t>(bytes.data() + 32);
+    if (packing > std::uint32_t(Packing::Zstd) || loadLe<std::uint32_t>(bytes.data() + 20) != 0 ||
+        head.pointFormat > 10 || head.recordBytes == 0 || head.recordBytes > 65535 ||
         head.laszipBytes > longestLaszip || head.points == 0 ||
         head.points > mostRecordBytes / head.recordBytes || head.chunkBytes > mostChunkBytes)
         return fail(ErrorCode::Malformed, "the request asks for more than there may be");

@@ -176,7 +176,7 @@ Expected<Photo> decodePhoto(std::string_view text) {
     for (const auto& [key, value] : object.items()) {
         const bool taken = members.take(key, value);
         if (taken) continue;
-        const auto called = "\"" + printableText(key, longestPhotoName) + "\"";
+        const auto called = quotedText(key);
         return wrongPhoto(members.known ? "its " + called + " is none" : called + " is not known of one");
     }
     if (const char* reason = members.judge()) return wrongPhoto(reason);

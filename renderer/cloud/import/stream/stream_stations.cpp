@@ -44,7 +44,7 @@ Expected<Station> decodeStation(std::string_view text) {
             if (!station.forwards || std::abs(glm::length(forwards) - 1) > 1e-3)
                 return wrongStation("its forwards is no unit vector");
         } else {
-            return wrongStation("\"" + printableText(key, longestStationName) + "\" is not known of one");
+            return wrongStation(quotedText(key) + " is not known of one");
         }
     }
     if (!hasPosition) return wrongStation("it has no position");

@@ -88,7 +88,7 @@ TEST(ForwardingSource, AnswersAsWhatItWraps) {
 
 TEST(ForwardingSource, SoDoThoseThatChangeSomething) {
     const auto telling = [] { return std::make_unique<Telling>(); };
-    const ExportRegion low{.clip = ClipBox{.min = glm::dvec3(0), .max = glm::dvec3(5)}};
+    const PointsRegion low{.clip = ClipBox{.min = glm::dvec3(0), .max = glm::dvec3(5)}};
     const std::unique_ptr<PointSource> sources[] = {withCrs(telling(), {"", 25832}, "a.las"),
                                                     exactScan(telling(), false), within(low, telling())};
     for (const unsigned i : {0U, 1U, 2U}) {

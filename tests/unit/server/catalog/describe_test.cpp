@@ -62,6 +62,8 @@ TEST(Describe, ACloudThatIsBeingReadCanBeLookedAtAndSaysHowFarItIs) {
                                                  {"range", {10.0, 20.0}},
                                                  {"description", "GPS time"}}));
     EXPECT_EQ(one["classNames"], (nlohmann::json{{"2", "ground"}}));
+    EXPECT_EQ(one["classCounts"], (nlohmann::json{{"2", 3}}));
+    EXPECT_EQ(one["classColors"], (nlohmann::json{{"2", "#a1794e"}}));
     EXPECT_THAT(one["crsName"].get<std::string>(), testing::HasSubstr("25833"));
     EXPECT_EQ(one["mirrors"][0]["tint"], "#ecf3f0");
     EXPECT_EQ(one["constant"], (nlohmann::json{{"rgb", {1, 2, 3}}}));
@@ -98,6 +100,13 @@ TEST(Describe, EveryMethodWithEveryParameter) {
                               "rgb", "cir", "intensity", "elevation", "classification", "normal", "curvature",
                               "depth", "lod", "visibility"}));
     EXPECT_FALSE(json["colormaps"].empty());
+    for (const auto& map : json["colormaps"]) EXPECT_EQ(json["ramps"][map.get<std::string>()].size(), 18U);
+    EXPECT_EQ(json["ramps"]["grey"].front(), "#000000");
+    EXPECT_EQ(json["ramps"]["grey"][1], "#0f0f0f") << "even steps";
+    EXPECT_EQ(json["ramps"]["grey"].back(), "#ffffff");
+    EXPECT_EQ(json["ramps"]["viridis"].front(), "#440154");
+    EXPECT_TRUE(json["ramps"].contains("curvature"));
+    EXPECT_EQ(json["ramps"]["lod"].size(), 10U);
 }
 
 }  // namespace

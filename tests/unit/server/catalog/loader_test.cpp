@@ -16,6 +16,7 @@
 #include "tests/support/clouds/write_cloud.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_data.hpp"
+#include "tests/unit/native/ept_bytes.hpp"
 
 namespace scancast {
 namespace {
@@ -182,6 +183,39 @@ TEST_F(LoaderTest, CopcIsShownAsItIsWhereThatIsAskedForAndAnotherInItsPlaceAsWel
     while (catalog_.list().back().cloud == entry.cloud && std::chrono::steady_clock::now() < end)
         std::this_thread::sleep_for(5ms);
     EXPECT_EQ(catalog_.list().back().cloud->points, 1065u);
+}
+
+TEST_F(LoaderTest, EptIsShownAsItIsByItsFolderAndAnotherInItsPlaceAsWell) {
+    const auto write = [&](std::size_t points, const fs::path& last) {
+        const auto set = test::EptMaker::make(test::CopcMaker::make(test::wavyPoints(points), 300),
+                                              test::EptMaker::Kind::Binary);
+        for (const auto& [name, bytes] : set.files) {
+            const fs::path file = folder_ / "set" / (name == "ept.json" ? last : fs::path(name));
+            fs::create_directories(file.parent_path());
+            std::ofstream(file, std::ios::binary)
+                .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+        }
+    };
+    write(1000, "ept.json");
+    LoaderOptions native = options();
+    native.native = true;
+    native.watchInterval = 20ms;
+    Loader loader({folder_ / "set"}, catalog_, native);
+    awaitEnd(loader);
+    const auto entry = catalog_.list().back();
+    ASSERT_TRUE(entry.cloud) << entry.error;
+    EXPECT_EQ(entry.id, "set");
+    EXPECT_EQ(entry.cloud->points, 1000u);
+    EXPECT_FALSE(entry.cloud->octree.store().whole());
+    EXPECT_TRUE(entry.cloud->octree.run(0));
+
+    // What describes it comes last.
+    write(2000, "new.json");
+    fs::rename(folder_ / "set/new.json", folder_ / "set/ept.json");
+    const auto end = std::chrono::steady_clock::now() + 60s;
+    while (catalog_.list().back().cloud == entry.cloud && std::chrono::steady_clock::now() < end)
+        std::this_thread::sleep_for(5ms);
+    EXPECT_EQ(catalog_.list().back().cloud->points, 2000u);
 }
 
 TEST_F(LoaderTest, MoreIsLoadedWhileItRunsAndNothingAfterItsStop) {

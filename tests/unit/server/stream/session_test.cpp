@@ -426,12 +426,19 @@ TEST_F(SessionTest, StatsSayTheMethodAndWhyWhereNobodyNamedIt) {
     chosen.method = "disc";
     chosen.methodReason = "it has normals";
     named.method = "cone";
+    chosen.color = "elevation";
+    chosen.colormap = "turbo";
+    chosen.colorRange = {31.5, 60};
     const json open = statsOf(1, chosen);
     EXPECT_EQ(open.value("method", ""), "disc");
     EXPECT_EQ(open.value("methodReason", ""), "it has normals");
+    EXPECT_EQ(open.value("color", ""), "elevation");
+    EXPECT_EQ(open.value("colormap", ""), "turbo");
+    EXPECT_EQ(open.value("range", json()), (json{31.5, 60.0}));
     const json fixed = statsOf(2, named);
     EXPECT_EQ(fixed.value("method", ""), "cone");
     EXPECT_EQ(fixed.value("methodReason", "?"), "") << "nobody left it open";
+    EXPECT_TRUE(fixed.at("range").is_null()) << "no ramp";
 }
 
 TEST_F(SessionTest, QualityMessageMovesTheLimits) {

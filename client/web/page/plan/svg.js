@@ -1,0 +1,11 @@
+// Elements of drawings.
+
+const namespace = 'http://www.w3.org/2000/svg';
+
+/** @returns {any} an SVG element with these attributes and children */
+export function svg(tag, attributes = {}, ...children) {
+  const made = document.createElementNS(namespace, tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
+  made.append(...children);
+  return made;
+}

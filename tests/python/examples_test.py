@@ -74,7 +74,8 @@ class Examples(support.Served):
                               env={**os.environ, "PYTHONPATH": support.PACKAGE}, timeout=support.PATIENCE)
         self.assertEqual(done.returncode, 0, done.stderr)
         import PIL.Image
-        self.assertEqual(PIL.Image.open(output).size, (360, 90))
+        with PIL.Image.open(output) as image:
+            self.assertEqual(image.size, (360, 90))
 
 
 if __name__ == "__main__":

@@ -46,6 +46,9 @@ class Tables(unittest.TestCase):
                       if field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING}
             self.assertLessEqual(needed, set(schema.get("required", ())), f"{kind.__name__} asks for more than there has to be")
 
+    def test_regions_are_those_of_the_protocol(self):
+        self.assertEqual(set(_exports.RegionWords.__annotations__), set(SCHEMAS["Region"]["properties"]))
+
     def test_every_status_that_the_protocol_names_has_a_class_or_is_plainly_refused(self):
         for status, kind in errors._BY_STATUS.items():
             self.assertIs(type(errors.problem({"detail": "no"}, status)), kind)

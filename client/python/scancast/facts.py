@@ -136,6 +136,8 @@ class CloudFacts:
     crs_wkt: str = ""
     crs_epsg: Optional[int] = None
     crs: Optional[Crs] = None
+    class_counts: Dict[int, int] = field(default_factory=dict)
+    class_colors: Dict[int, str] = field(default_factory=dict)
     json: Dict[str, Any] = field(default_factory=dict, repr=False)
 
 
@@ -244,6 +246,8 @@ class Methods:
     colors: List[str]
     colormaps: List[str]
     shadings: List[str]
+    ramps: Dict[str, List[str]] = field(default_factory=dict)
+    """Of each colour map the colours at even steps, from the least value to the greatest."""
 
     def __iter__(self) -> Iterator[Method]:
         return iter(self.methods)

@@ -250,14 +250,15 @@ TEST_P(ViewAgreement, ClipAndClasses) {
 
 TEST_P(ViewAgreement, Shapes) {
     const Cloud& town = agreedCloud("town");
-    const glm::dvec3 middle = (town.bounds[0] + town.bounds[1]) * 0.5;
+    glm::dvec3 middle = (town.bounds[0] + town.bounds[1]) * 0.5;
+    middle.z = town.bounds[0].z + 5;
     View from = sceneView(town, sceneViews("town")[0], Projection::Perspective, agreedWidth, agreedHeight);
     // Kept: what is in one of three, crossing each other. Taken away: two, and what lies behind a leaning plane.
     for (const double yaw : {0.0, 40.0, 100.0})
-        from.style.clips.push_back(TurnedBox{middle, {90, 25, 30}, {yaw, 5, 0}});
+        from.style.clips.push_back(TurnedBox{middle, {180, 50, 80}, {yaw, 5, 0}});
     from.style.clips.push_back(TurnedBox{middle + glm::dvec3(10, 5, 0), {12, 8, 40}, {20, 0, 0}, true});
     from.style.clips.push_back(TurnedBox{middle - glm::dvec3(15, 0, 0), {9, 9, 9}, {0, 0, 0}, true});
-    from.style.clips.push_back(HalfSpace{middle + glm::dvec3(0, 0, 8), {0.1, 0.2, -1}});
+    from.style.clips.push_back(HalfSpace{middle + glm::dvec3(0, 0, 15), {0.1, 0.2, -1}});
     inEveryMethod(from, [&](const View& v) { expectPicturesAgree(*device_, *cpu_, town, v); });
 }
 

@@ -9,10 +9,10 @@ namespace scancast::test {
 namespace {
 
 // As UTM coordinates are: what is measured must not drown in them.
-const glm::dvec3 far(389400.25, 5819700.5, 34.125);
+const glm::dvec3 utm(389400.25, 5819700.5, 34.125);
 
 std::vector<glm::dvec3> moved(std::vector<glm::dvec3> points) {
-    for (glm::dvec3& p : points) p += far;
+    for (glm::dvec3& p : points) p += utm;
     return points;
 }
 

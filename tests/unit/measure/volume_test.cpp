@@ -15,13 +15,13 @@
 namespace scancast::test {
 namespace {
 
-const glm::dvec3 far(389400, 5819700, 34);
+const glm::dvec3 corner(389400, 5819700, 34);
 
 /// A plane of 40 x 40 with a cone of radius 10 and height 6 on it, and a hole without points east of x = 30. Class 6: the cone.
 ScanPoint pile(std::uint64_t i, std::uint64_t) {
     const double x = 30 * uniform(i, 1), y = 40 * uniform(i, 2), r = std::hypot(x - 15, y - 20);
     ScanPoint p;
-    p.position = far + glm::dvec3(x, y, r < 10 ? 6 * (1 - r / 10) : 0);
+    p.position = corner + glm::dvec3(x, y, r < 10 ? 6 * (1 - r / 10) : 0);
     p.classification = r < 10 ? 6 : 2;
     return p;
 }
@@ -39,8 +39,8 @@ class Volume : public ::testing::Test {
     static MeasureRequest square(double x0, double y0, double x1, double y1, double z = 0) {
         MeasureRequest request;
         request.kind = MeasureKind::Volume;
-        request.points = {far + glm::dvec3(x0, y0, z), far + glm::dvec3(x1, y0, z),
-                          far + glm::dvec3(x1, y1, z), far + glm::dvec3(x0, y1, z)};
+        request.points = {corner + glm::dvec3(x0, y0, z), corner + glm::dvec3(x1, y0, z),
+                          corner + glm::dvec3(x1, y1, z), corner + glm::dvec3(x0, y1, z)};
         return request;
     }
     static VolumeMeasure measured(const MeasureRequest& request, const SampleFilter& filter = {}) {
@@ -63,8 +63,8 @@ TEST_F(Volume, OfAConeIsAThird) {
         EXPECT_NEAR(volume.below, 0, 0.001 * cone);
         EXPECT_NEAR(volume.area, 26 * 26, 1e-6);
         EXPECT_GT(volume.covered, 0.99 * volume.area);
-        EXPECT_NEAR(volume.highest, far.z + 6, 0.3);
-        EXPECT_NEAR(volume.lowest, far.z, 0.01);
+        EXPECT_NEAR(volume.highest, corner.z + 6, 0.3);
+        EXPECT_NEAR(volume.lowest, corner.z, 0.01);
     }
     const double low = [&] {
         MeasureRequest request = square(2, 7, 28, 33);
@@ -80,21 +80,21 @@ TEST_F(Volume, OfAConeIsAThird) {
 TEST_F(Volume, BasesCutAndFill) {
     MeasureRequest request = square(5, 10, 25, 30);
     request.base = VolumeBase::Height;
-    request.height = far.z + 3;
+    request.height = corner.z + 3;
     // Above half its height a cone is an eighth of it; all else is below: to the base, 3 over the whole square less what is filled.
     const VolumeMeasure volume = measured(request);
     EXPECT_NEAR(volume.above, cone / 8, 0.02 * cone / 8);
     EXPECT_NEAR(volume.above - volume.below, cone - 3 * 400, 0.01 * 1200);
     // A base that follows its tilted corners.
     MeasureRequest tilted = square(5, 10, 25, 30);
-    for (glm::dvec3& p : tilted.points) p.z += 0.1 * (p.x - far.x - 15);
+    for (glm::dvec3& p : tilted.points) p.z += 0.1 * (p.x - corner.x - 15);
     tilted.base = VolumeBase::Fit;
     EXPECT_NEAR(measured(tilted).base.slope.x, 0.1, 1e-9);
     EXPECT_NEAR(measured(tilted).above - measured(tilted).below, cone, 0.01 * cone);
     tilted.base = VolumeBase::Mean;
-    EXPECT_NEAR(measured(tilted).base.height, far.z, 1e-6);
+    EXPECT_NEAR(measured(tilted).base.height, corner.z, 1e-6);
     tilted.base = VolumeBase::Lowest;
-    EXPECT_NEAR(measured(tilted).base.height, far.z - 1, 1e-6);
+    EXPECT_NEAR(measured(tilted).base.height, corner.z - 1, 1e-6);
 }
 
 TEST_F(Volume, HolesAreToldAndNotFilled) {
@@ -117,7 +117,7 @@ TEST_F(Volume, WhatTheViewDoesNotDrawIsNoPoint) {
     EXPECT_NEAR(volume.covered, 314, 12);
     EXPECT_NEAR(volume.above, cone, 0.01 * cone);
     style.classes.reset();
-    style.clip = ClipBox{far + glm::dvec3(0, 0, -1), far + glm::dvec3(15, 40, 10)};
+    style.clip = ClipBox{corner + glm::dvec3(0, 0, -1), corner + glm::dvec3(15, 40, 10)};
     EXPECT_NEAR(measured(square(2, 7, 28, 33), sampleFilter(cloud(), style)).above, cone / 2, 0.02 * cone);
 }
 

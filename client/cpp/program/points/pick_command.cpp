@@ -25,7 +25,8 @@ struct PickFlags {
 nlohmann::json saidOf(const View& base, const View& view) {
     const auto before = toJson(base);
     nlohmann::json said = nlohmann::json::object();
-    for (const auto& [key, value] : toJson(view).items())
+    const nlohmann::json whole = toJson(view);  // outlives the walk
+    for (const auto& [key, value] : whole.items())
         if (before[key] != value) said[key] = value;
     return said;
 }

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bitset>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <limits>
@@ -42,19 +42,21 @@ tl::unexpected<Error> unlike(MeasureKind kind) {
                             name(kind)));
 }
 
-/// Degrees around the axis that have a used point in every five.
+/// Degrees around the axis that have used points, five by five.
 template <class Fit>
 double arcOf(const Fit& fit, std::span<const glm::dvec3> points) {
     constexpr std::size_t parts = 72;
-    std::bitset<parts> seen;
+    std::array<std::uint64_t, parts> counts{};
     const auto [u, v] = across(fit.shape.axis);
     for (const glm::dvec3& p : points) {
         if (!fit.uses(p)) continue;
         const glm::dvec3 q = p - fit.shape.center;
         const double turn = std::atan2(glm::dot(q, v), glm::dot(q, u)) / (2 * std::numbers::pi) + 0.5;
-        seen.set(std::min(parts - 1, std::size_t(turn * double(parts))));
+        ++counts[std::min(parts - 1, std::size_t(turn * double(parts)))];
     }
-    return double(seen.count()) * 360 / double(parts);
+    // What strayed onto the shape is no arc of it: a part has a fifth of what is there on average, at least.
+    const auto isSeen = [&](std::uint64_t count) { return count > 0 && count * 5 * parts >= fit.used; };
+    return double(std::ranges::count_if(counts, isSeen)) * 360 / double(parts);
 }
 
 /// The middle of the used points along the axis, and how long they are.

@@ -156,7 +156,7 @@ TEST(Pick, NothingThatShapesCutAway) {
     const int count = overSurface(whole, [&](int x, int y, double depth) {
         const auto picked = pick(*cloud, view, {x, y}, depth);
         ASSERT_TRUE(picked && *picked);
-        EXPECT_TRUE(contains(view.style.clips, (*picked)->position));
+        EXPECT_TRUE(contains(view.style.clips, (*picked)->point.position));
         const glm::dvec3 place = *placeUnder(*cloud, view, {x, y}, depth);
         EXPECT_EQ((*picked)->distance, nearestByHand(*cloud, place, allowed));
         taken += (*picked)->distance > 1;

@@ -3,6 +3,7 @@
 #include "client/cpp/timed_io.hpp"
 
 #include <algorithm>
+#include <boost/asio/ssl/error.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <limits>
@@ -78,7 +79,8 @@ class StreamedRequest {
     /// The connection ended, and the answer had not.
     static bool isEnd(const ErrorCodeOfBoost& error) {
         return error == http::error::partial_message || error == http::error::end_of_stream ||
-               error == boost::asio::error::eof || error == boost::asio::error::connection_reset;
+               error == boost::asio::error::eof || error == boost::asio::error::connection_reset ||
+               error == boost::asio::ssl::error::stream_truncated;
     }
     template <class Start>
     ErrorCodeOfBoost run(Start start) {

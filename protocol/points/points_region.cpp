@@ -1,5 +1,6 @@
 #include "protocol/points/points_region.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -41,13 +42,20 @@ std::optional<glm::dvec2> placeOf(const nlohmann::json& value) {
     if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number())
         return std::nullopt;
     const glm::dvec2 place(value[0].get<double>(), value[1].get<double>());
-    if (!std::isfinite(place.x) || !std::isfinite(place.y)) return std::nullopt;
+    if (!isPlanPlace(place)) return std::nullopt;
     return place;
 }
 
 }  // namespace
 
+bool isPlanPlace(const glm::dvec2& place) {
+    constexpr double farthest = 1e12;  // as measurements have it; NaN is not below it
+    return std::abs(place.x) <= farthest && std::abs(place.y) <= farthest;
+}
+
 Expected<void> checkPolygon(const PlanPolygon& polygon) {
+    if (!std::ranges::all_of(polygon, isPlanPlace))
+        return fail(ErrorCode::InvalidArgument, "polygon: must have numbers up to 1e12", "polygon");
     if (polygon.size() >= 3 && polygon.size() <= mostPolygonCorners) return {};
     return fail(ErrorCode::InvalidArgument,
                 "polygon: must have 3 to " + std::to_string(mostPolygonCorners) + " corners, and has " +

@@ -36,6 +36,8 @@ struct PointsRegion {
 
 /// Whether it is one: 3 to mostPolygonCorners corners, numbers. InvalidArgument.
 Expected<void> checkPolygon(const PlanPolygon& polygon);
+/// Whether numbers are ones that a scan may lie at: finite, and at most 1e12 in size.
+bool isPlanPlace(const glm::dvec2& place);
 
 /// "X,Y;X,Y;…", as flags have it. InvalidArgument, of this flag or field.
 Expected<std::vector<glm::dvec2>> parsePlanPlaces(std::string_view text, std::string_view field);

@@ -95,14 +95,15 @@ Expected<void> checkLine(const std::vector<glm::dvec2>& line, double width) {
         return wrong("line", "must have 2 to " + std::to_string(mostLineCorners) + " corners, and has " +
                                  std::to_string(line.size()));
     for (std::size_t i = 0; i < line.size(); ++i) {
-        if (!std::isfinite(line[i].x) || !std::isfinite(line[i].y)) return wrong("line", "must be numbers");
+        if (!isPlanPlace(line[i])) return wrong("line", "must have numbers up to 1e12");
         if (i == 0) continue;
         const double length = std::hypot(line[i].x - line[i - 1].x, line[i].y - line[i - 1].y);
-        if (!(length > 0) || !std::isfinite(length))
+        constexpr double samePlace = 1e-9;
+        if (!(length > samePlace))
             return wrong("line",
                          "corner " + std::to_string(i + 1) + " is the same place as the one before it");
     }
-    if (!(width > 0) || !std::isfinite(width)) return wrong("width", "must be above 0");
+    if (!(width > 0) || !(width <= 1e12)) return wrong("width", "must be above 0, up to 1e12");
     return {};
 }
 

@@ -27,9 +27,20 @@ double cellsOf(std::span<const glm::dvec2> corners, double cell) {
     return size.x * size.y;
 }
 
-/// The finest that stays within the limit.
+/// Rows and columns that edges go through, all together: a raster one cell wide may be as long as it has cells.
+constexpr double mostEdgeSteps = 5e7;
+
+/// How many times too many cells; above 1 it is refused, or made coarser.
+double excessOf(std::span<const glm::dvec2> corners, double cell, double most) {
+    const glm::dvec2 size = PlanRaster::sizeOf(corners, cell);
+    const double longer = (size.x + size.y) * double(corners.size()) / mostEdgeSteps;
+    return std::max(size.x * size.y / most, longer > 1 ? longer * longer : 0);
+}
+
+/// The finest that stays within the limits.
 double coarseEnough(std::span<const glm::dvec2> corners, double cell, double most) {
-    while (cellsOf(corners, cell) > most) cell *= std::max(1.01, std::sqrt(cellsOf(corners, cell) / most));
+    while (excessOf(corners, cell, most) > 1)
+        cell *= std::max(1.01, std::sqrt(excessOf(corners, cell, most)));
     return cell;
 }
 
@@ -180,14 +191,13 @@ Expected<double> cellSide(const Cloud& cloud, const MeasureRequest& request, con
         return coarseEnough(corners, side, most);
     }
     const double cells = cellsOf(corners, *request.cell);
-    if (cells <= most) return *request.cell;
-    return fail(
-        ErrorCode::InvalidArgument,
-        fmt::format(
-            "cell: the raster would have {:.0f} cells, and there is room for {:.0f}; with cell={:.3g} "
-            "there is",
-            cells, most, coarseEnough(corners, *request.cell, most) * 1.01),
-        "cell");
+    if (excessOf(corners, *request.cell, most) <= 1) return *request.cell;
+    return fail(ErrorCode::InvalidArgument,
+                fmt::format("cell: the raster would have {:.0f} cells along {} edges, and there is room for "
+                            "{:.0f}, less where "
+                            "they are in few rows; with cell={:.3g} there is",
+                            cells, corners.size(), most, coarseEnough(corners, *request.cell, most) * 1.01),
+                "cell");
 }
 
 Expected<VolumeMeasure> measureVolume(const Cloud& cloud, const SampleFilter& filter,

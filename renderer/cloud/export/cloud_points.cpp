@@ -46,7 +46,7 @@ class CloudPoints final : public PointSource {
     std::array<std::uint64_t, 2> bytesRead() const override { return {0, 0}; }
 
     Expected<bool> read(PointBatch& batch) override {
-        while (given_ == held_.size()) {
+        if (given_ == held_.size()) {
             held_.clear();
             given_ = 0;
             if (next_ == leaves_.size()) {
@@ -54,6 +54,11 @@ class CloudPoints final : public PointSource {
                 return false;
             }
             if (auto ok = decodeSome(); !ok) return passOn(ok);
+        }
+        // Of leaves that have none of the points wanted: who asks decides whether to go on.
+        if (held_.size() == 0) {
+            batch.clear();
+            return true;
         }
         if (given_ == 0 && held_.size() <= batchPoints) {
             std::swap(batch, held_);

@@ -48,8 +48,9 @@ PolygonTest::PolygonTest(const PlanPolygon& polygon) {
 
 // The same monotone function of y for edges and for points: what an edge reaches, its bands do.
 std::size_t PolygonTest::bandOf(double y) const {
-    const double band = (y - low_.y) * bandsPerUnit_;
-    return std::size_t(std::clamp(band, 0.0, double(bands_.size() - 1)));
+    const double band = (y - low_.y) * bandsPerUnit_, last = double(bands_.size() - 1);
+    if (!(band > 0)) return 0;  // no number either: heights that are out of all proportion
+    return band < last ? std::size_t(band) : bands_.size() - 1;
 }
 
 bool PolygonTest::contains(const glm::dvec2& p) const {

@@ -122,7 +122,8 @@ PointsAnswers::~PointsAnswers() = default;
 tl::expected<PointsAnswers::Asked, Problem> PointsAnswers::admit(const HttpRequest& request,
                                                                  const Routed& routed,
                                                                  const VisibleClouds& clouds,
-                                                                 bool isPicture) const {
+                                                                 std::uint64_t picturePixels) const {
+    const bool isPicture = picturePixels > 0;
     if (routed.grant.identity.kind == IdentityKind::Guest && !isPicture && !options_.guestsMayExport)
         return tl::unexpected(
             problemOf(403,
@@ -145,10 +146,13 @@ tl::expected<PointsAnswers::Asked, Problem> PointsAnswers::admit(const HttpReque
                 .place = std::move(*place),
                 .working = memory_.hold(MemoryUse::Answers)};
     const bool isAlone = memory_.bytes(MemoryUse::Answers) == 0;
-    if (!isAlone && memory_.bytes(MemoryUse::Answers) + workingBytes > memory_.forAnswers())
+    // What lies nearest in each, its colours, and these as PNG.
+    constexpr std::uint64_t bytesPerPixel = 8 + 4 + 4;
+    const std::uint64_t needed = workingBytes + picturePixels * bytesPerPixel;
+    if (!isAlone && memory_.bytes(MemoryUse::Answers) + needed > memory_.forAnswers())
         return tl::unexpected(problemOf(
             503, "There is no memory for another export: others have not been read yet. Ask again later."));
-    asked.working.resize(workingBytes);
+    asked.working.resize(needed);
     return asked;
 }
 
@@ -168,7 +172,7 @@ void PointsAnswers::points(const HttpRequest& request, const Routed& routed, con
                  mediaType(wanted->format).substr(0, mediaType(wanted->format).find(';'))))
         return refuse(problemOf(406, fmt::format("Points as {} are {}, which the Accept header rules out.",
                                                  name(wanted->format), mediaType(wanted->format))));
-    auto asked = admit(request, routed, clouds, false);
+    auto asked = admit(request, routed, clouds, 0);
     if (!asked) return refuse(std::move(asked.error()));
     asked->respond = std::move(respond);
     asked->gone = std::move(gone);
@@ -201,7 +205,12 @@ void PointsAnswers::profile(const HttpRequest& request, const Routed& routed, co
             problemOf(406, fmt::format("This profile is {}, which the Accept header rules out.", type)));
     auto corridor = Corridor::create(wanted->line, wanted->width);
     if (!corridor) return refuse(problemOf(corridor.error()));
-    auto asked = admit(request, routed, clouds, !wanted->format);
+    const auto& picture = wanted->picture;
+    const std::uint64_t pixels = wanted->format ? 0
+                                 : picture.height
+                                     ? std::uint64_t(picture.width) * std::uint64_t(*picture.height)
+                                     : options_.mostPixels;
+    auto asked = admit(request, routed, clouds, std::min(pixels, options_.mostPixels));
     if (!asked) return refuse(std::move(asked.error()));
     asked->respond = respond;
     asked->gone = std::move(gone);

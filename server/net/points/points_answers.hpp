@@ -50,7 +50,7 @@ class PointsAnswers {
     class Body;
 
     tl::expected<Asked, Problem> admit(const HttpRequest& request, const Routed& routed,
-                                       const VisibleClouds& clouds, bool isPicture) const;
+                                       const VisibleClouds& clouds, std::uint64_t picturePixels) const;
     void begin(std::shared_ptr<Export> work) const;
     void produce(std::shared_ptr<Export> work, BodySource::Given given) const;
     void draw(std::shared_ptr<Drawing> work) const;

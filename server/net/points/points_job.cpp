@@ -32,6 +32,7 @@ Expected<void> PointsJob::step() {
     const auto more = source_->read(batch_);
     if (!more) return passOn(more);
     if (!*more) return finish();
+    if (batch_.size() == 0) return {};
     if (!writer_)
         if (auto ok = begin(); !ok) return ok;
     return write();

@@ -2,32 +2,36 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace scancast {
 
 tl::expected<WorkPlaces::Place, Problem> WorkPlaces::take(const std::string& client) const {
-    const std::lock_guard lock(state_->mutex);
-    if (state_->all >= state_->limits.all)
-        return tl::unexpected(problemOf(
-            503,
-            fmt::format("{} exports are under way, as many as this server makes at a time; ask again later.",
-                        state_->all)));
-    std::size_t& own = state_->clients[client];
-    if (own >= state_->limits.client)
-        return tl::unexpected(problemOf(
-            429,
-            fmt::format("You have {} exports under way, as many as one client may; read them to their end, "
-                        "or ask again later.",
-                        own)));
-    ++own;
-    ++state_->all;
-    // Where there is no memory for it, what it would do at its end is done at once.
-    Place place(nullptr, [state = state_, client](const void*) {
-        const std::lock_guard letGo(state->mutex);
+    auto letGo = [state = state_, client](const void*) {
+        const std::lock_guard lock(state->mutex);
         --state->all;
         const auto at = state->clients.find(client);
         if (at != state->clients.end() && --at->second == 0) state->clients.erase(at);
-    });
-    return place;
+    };
+    {
+        const std::lock_guard lock(state_->mutex);
+        if (state_->all >= state_->limits.all)
+            return tl::unexpected(problemOf(
+                503, fmt::format(
+                         "{} exports are under way, as many as this server makes at a time; ask again later.",
+                         state_->all)));
+        std::size_t& own = state_->clients[client];
+        if (own >= state_->limits.client)
+            return tl::unexpected(problemOf(
+                429, fmt::format(
+                         "You have {} exports under way, as many as one client may; read them to their end, "
+                         "or ask again later.",
+                         own)));
+        ++own;
+        ++state_->all;
+    }
+    // Where there is no memory for it, it lets go at once: so the lock is not held here.
+    return Place(nullptr, std::move(letGo));
 }
 
 }  // namespace scancast

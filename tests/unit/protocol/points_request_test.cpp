@@ -62,6 +62,8 @@ TEST(PointsRequests, WhatIsWrongIsNamedByItsPath) {
     EXPECT_EQ(wrongPoints(R"({"region": 3})"), "region");
     EXPECT_EQ(wrongPoints(R"({"region": {"polygon": [[0, 0], [1, 1]]}})"), "region.polygon");
     EXPECT_EQ(wrongPoints(R"({"region": {"polygon": [[0, 0], [1, 1], ["a", 1]]}})"), "region.polygon");
+    EXPECT_EQ(wrongPoints(R"({"region": {"polygon": [[0, -1.7e308], [1, 1.7e308], [2, 0]]}})"),
+              "region.polygon");
     EXPECT_EQ(wrongPoints(R"({"region": {"z": [2, 1]}})"), "region.z");
     EXPECT_EQ(wrongPoints(R"({"region": {"clip": {"min": [1, 0, 0], "max": [0, 1, 1]}}})"), "region.clip");
     EXPECT_EQ(wrongPoints(R"({"region": {"classes": [256]}})"), "region.classes");
@@ -72,7 +74,10 @@ TEST(PointsRequests, WhatIsWrongIsNamedByItsPath) {
     };
     EXPECT_EQ(wrongProfile("{}"), "line");
     EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [0, 0]]})"), "line");
+    EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1e-305, 0]]})"), "line");
+    EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1e300, 0]]})"), "line");
     EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1, 0]], "width": 0})"), "width");
+    EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1, 0]], "width": 1e300})"), "width");
     EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1, 0]], "picture": {"width": 0}})"), "picture.width");
     EXPECT_EQ(wrongProfile(R"({"line": [[0, 0], [1, 0]], "picture": {"exaggeration": 0}})"),
               "picture.exaggeration");

@@ -63,6 +63,15 @@ TEST(RegionPolygon, HasThePointsThatWholeNumbersSay) {
             ASSERT_EQ(polygon.contains({double(x), double(y)}), contains(corners, {x, y})) << x << " " << y;
 }
 
+// Heights so small that no number of bands fits between them.
+TEST(RegionPolygon, MayBeAsFlatAsNumbersCanTell) {
+    const PolygonTest polygon(PlanPolygon{{0, 0}, {1, 5e-324}, {2, 0}});
+    EXPECT_FALSE(polygon.contains({3, 0}));
+    EXPECT_FALSE(polygon.contains({1, 1}));
+    EXPECT_EQ(polygon.of({-1, -1}, {3, 1}), Within::Across);
+    static_cast<void>(polygon.contains({1, 0}));
+}
+
 TEST(RegionPolygon, TwoThatShareAnEdgeHaveEachPointOnce) {
     // A square in triangles around a place inside; points on a lattice that the edges go through, and others.
     for (std::uint64_t number = 0; number < 50; ++number) {

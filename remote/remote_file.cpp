@@ -364,6 +364,7 @@ void RemoteFile::probed(const PartOrFault& result, bool again) const {
         if (isOther) goAway(result.error());
         if (result && away_ && !changed_) {
             away_.reset();
+            back_ = std::chrono::steady_clock::now();
             --commons_->away;
         }
     }
@@ -383,12 +384,13 @@ void RemoteFile::signAnew(std::shared_ptr<const ObjectAccess> access) {
     access_ = std::move(access);
 }
 
-void RemoteFile::lost(const RequestFault& fault) {
+bool RemoteFile::lost(const RequestFault& fault, RequestPace::Time begun) {
     bool isAbsence = false, isFirst = false;
     milliseconds delay{0};
     {
         const Monitor::Lock lock(monitor_);
         isAbsence = fault.kind != RequestFault::Kind::Stopped && !away_ && !changed_;
+        if (isAbsence && begun < back_) return false;
         isFirst = isAbsence && !backOff_;
         if (isAbsence) {
             delay = backOff(fault);
@@ -397,6 +399,7 @@ void RemoteFile::lost(const RequestFault& fault) {
     }
     if (isFirst) tellOfAbsence(fault);
     if (isAbsence) probe(delay);
+    return true;
 }
 
 void RemoteFile::came() {

@@ -72,8 +72,9 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     void signAnew(std::shared_ptr<const ObjectAccess> access);
     /// It has been replaced by another: found out by the way, or by look().
     bool changed() const;
-    /// Who fetches something else from the same place got nothing: as if this had not been to be had.
-    void lost(const RequestFault& fault);
+    /// Who fetches something else from the same place, since `begun`, got nothing: as if this had not been to be had. False, and
+    /// nothing else, where this could be had again since: the request says nothing about now.
+    bool lost(const RequestFault& fault, RequestPace::Time begun);
     /// Who fetches something else from the same place got it.
     void came();
     /// Why nothing can be had now: Unavailable.
@@ -151,6 +152,7 @@ class RemoteFile final : public RandomReader, public std::enable_shared_from_thi
     mutable std::optional<RequestFault> away_{};
     /// The last wait for a server that was away; nullopt once a part has come: an answer of a byte does not make it well.
     mutable std::optional<std::chrono::milliseconds> backOff_{};
+    mutable RequestPace::Time back_ = RequestPace::Time::min();  ///< when it was last back from being away
     mutable bool changed_ = false;
     mutable bool looking_ = false;
 };

@@ -152,7 +152,7 @@ Expected<RemoteDocument> RemoteFiles::fetch(ObjectAccess access, const std::stri
     if (!shared) return passOn(std::move(shared));
     const auto all = std::make_shared<std::promise<PartOrFault>>();
     PartAsk ask{std::make_shared<const ObjectAccess>(std::move(access)), 0, most};
-    ask.whole = true;
+    ask.whole = ask.isDocument = true;
     ask.unless = unless;
     (*shared)->transfers->start(std::move(ask), [all](PartOrFault part) { all->set_value(std::move(part)); });
     auto part = all->get_future().get();

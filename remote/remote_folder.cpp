@@ -320,8 +320,17 @@ void RemoteFolder::failed(const Request& request, const RequestFault& fault) con
     } else {
         isItsOwn = false;
     }
-    if (!isItsOwn) description_->lost(fault);
+    const bool isOld = !isItsOwn && !description_->lost(fault, request.begun);
     const Monitor::Lock lock(monitor_);
+    if (isOld) {
+        // Of a server that has been away and is back: it is asked once more.
+        if (const auto at = objects_.find(request.name);
+            at != objects_.end() && at->second.stage == Stage::Asked) {
+            at->second.stage = Stage::Wanted;
+            order_.push_front(request.name);
+        }
+        return;
+    }
     failObject(request.name, error);
     if (isItsOwn) return;
     isLost_ = true;

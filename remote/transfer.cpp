@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t longestErrorBody = 4096;
 constexpr long mostRedirects = 5;
-constexpr std::uint64_t documentBytes = 400 << 10;
+// Whose time a whole object has at most: nobody knows how long it is.
+constexpr std::uint64_t documentBytes = 400 << 10, objectBytes = 16 << 20;
 
 bool isSecure(const std::string& url) {
     return url.starts_with("https://");
@@ -85,8 +86,8 @@ bool Transfer::begin(Handle handle, const TransferLimits& limits) {
     set(CURLOPT_CONNECTTIMEOUT_MS, long(limits.connect.count()));
     set(CURLOPT_LOW_SPEED_LIMIT, limits.leastRate);
     set(CURLOPT_LOW_SPEED_TIME, std::max(1L, long(limits.stall.count() / 1000)));
-    // Nobody knows how long a document is: it has the time of a page of 1,000 objects.
-    const std::uint64_t bytes = ask_.whole ? std::min(ask_.bytes, documentBytes) : ask_.bytes;
+    const std::uint64_t bytes =
+        ask_.whole ? std::min(ask_.bytes, ask_.isDocument ? documentBytes : objectBytes) : ask_.bytes;
     set(CURLOPT_TIMEOUT_MS, long(limits.grace.count()) + long(bytes * 1000 / std::uint64_t(limits.slowest)));
     if (!access.certificates.empty()) set(CURLOPT_CAINFO, access.certificates.c_str());
     if (!access.signing.empty()) {

@@ -26,6 +26,7 @@ struct PartAsk {
     std::chrono::milliseconds delay{0};     ///< before the first one
     /// Not a part: all there is, of `bytes` bytes at most, unless it still has the ETag `unless`.
     bool whole = false;
+    bool isDocument = false;  ///< whole, and short: it has the time of a page of 1,000 objects
     std::string unless{};
 };
 

@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace scancast {
 
 namespace {
 
 // As many as there always may be in a block (32 MB). Of a file whose voxels are what they say, some 100,000.
 constexpr std::size_t mostGathered = 2 << 20;
+// Some blocks: one cloud that has filled the memory leaves others these.
+constexpr std::uint64_t leastOwn = 8 << 20;
 
 std::uint64_t bytesOf(const RawPoints& points) {
     return points->size() * sizeof(RawPoint) + 128;
@@ -31,13 +35,31 @@ bool GatheredMemory::isFull() const {
     return bytes_ > limit_;
 }
 
+std::uint64_t GatheredMemory::floor() const {
+    const std::lock_guard lock(mutex_);
+    return std::min(leastOwn, limit_ / std::max<std::uint64_t>(1, clouds_));
+}
+
+void GatheredMemory::join() {
+    const std::lock_guard lock(mutex_);
+    ++clouds_;
+}
+
+void GatheredMemory::leave() {
+    const std::lock_guard lock(mutex_);
+    --clouds_;
+}
+
 GatheredPoints::GatheredPoints(const AdditiveTree& tree, const VoxelTree& hierarchy,
                                const AdditiveFrame& frame, std::shared_ptr<GatheredMemory> memory,
                                OwnPoints own)
-    : tree_(tree), hierarchy_(hierarchy), frame_(frame), memory_(std::move(memory)), own_(std::move(own)) {}
+    : tree_(tree), hierarchy_(hierarchy), frame_(frame), memory_(std::move(memory)), own_(std::move(own)) {
+    memory_->join();
+}
 
 GatheredPoints::~GatheredPoints() {
     memory_->giveBack(bytes_);
+    memory_->leave();
 }
 
 void GatheredPoints::take(std::uint64_t bytes) {
@@ -98,8 +120,9 @@ void GatheredPoints::keep(std::uint32_t node, RawPoints points) {
     uses_.push_front(node);
     kept_[node] = {std::move(points), uses_.begin()};
     take(more);
-    // Its own go, however much others have.
-    while (memory_->isFull() && !uses_.empty()) {
+    // Its own go, down to what each may have.
+    const std::uint64_t least = memory_->floor();
+    while (memory_->isFull() && bytes_ > least && !uses_.empty()) {
         const auto last = kept_.find(uses_.back());
         giveBack(bytesOf(last->second.points));
         kept_.erase(last);

@@ -24,6 +24,10 @@ class GatheredMemory {
         : limit_(limit), reserve_(std::move(reserve)) {}
     std::uint64_t limit() const { return limit_; }
     bool isFull() const;
+    /// What one cloud may keep however much others have: some 8 MB, or its part of the limit where there are many.
+    std::uint64_t floor() const;
+    void join();  ///< one cloud more
+    void leave();
     void take(std::uint64_t bytes);
     void giveBack(std::uint64_t bytes);
 
@@ -31,7 +35,7 @@ class GatheredMemory {
     const std::uint64_t limit_;
     const Reserve reserve_;
     mutable std::mutex mutex_;  // guards what follows
-    std::uint64_t bytes_ = 0;
+    std::uint64_t bytes_ = 0, clouds_ = 0;
     std::shared_ptr<const void> reserved_;
 };
 

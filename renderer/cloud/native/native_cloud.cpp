@@ -245,13 +245,23 @@ class Opening {
         return code == ErrorCode::Malformed || code == ErrorCode::Truncated || code == ErrorCode::NotFound;
     }
 
-    Expected<void> keepUpper(const std::vector<Bytes>& records) {
+    /// Records whose points cannot be are damaged as those that cannot be unpacked are: they are left out of `records`, too.
+    Expected<void> keepUpper(std::vector<Bytes>& records) {
         opened_->upper.resize(voxels_.back() + 1);
+        std::vector<Bytes> sound;
         for (std::size_t i = 0; i < voxels_.size(); ++i) {
             auto points = rawPointsOf(records[i], *scan_.records, opened_->depth, scan_.grid);
-            if (!points) return passOn(std::move(points));
+            if (!points && (voxels_[i] == 0 || !isDamage(points.error().code)))
+                return passOn(std::move(points));
+            if (!points) {
+                if (damaged_++ == 0) firstDamage_ = std::move(points.error());
+                continue;
+            }
             opened_->upper[voxels_[i]] = std::make_shared<const std::vector<RawPoint>>(std::move(*points));
+            sound.push_back(std::move(records[i]));
         }
+        records = std::move(sound);
+        if (records.empty()) return tl::unexpected(firstDamage_);
         return {};
     }
 

@@ -12,6 +12,8 @@ namespace scancast {
 namespace {
 
 constexpr std::uint64_t mostPoints = 200'000;
+// Each is a request, where they come over a network.
+constexpr std::uint64_t mostVoxels = 512;
 // Where nobody can measure it: the usual root of COPC has 128 points along a side.
 constexpr double usualPointsPerSide = 128;
 
@@ -77,14 +79,14 @@ std::vector<std::uint32_t> upperVoxels(const VoxelTree& hierarchy, std::uint64_t
     // Voxels stand by level.
     for (std::uint32_t first = 0; first < hierarchy.voxels.size() && points < enough;) {
         std::uint32_t end = first;
-        std::uint64_t more = 0;
+        std::uint64_t more = 0, count = 0;
         for (; end < hierarchy.voxels.size() &&
                hierarchy.voxels[end].key.level == hierarchy.voxels[first].key.level;
              ++end)
-            more += hierarchy.voxels[end].points;
-        if (points > 0 && points + more > mostPoints) break;
+            more += hierarchy.voxels[end].points, count += hierarchy.voxels[end].points > 0 ? 1 : 0;
+        if (points > 0 && (points + more > mostPoints || upper.size() + count > mostVoxels)) break;
         // Where the levels above are empty, some voxels of the first that has points stand for all.
-        const std::uint64_t every = more / mostPoints + 1;
+        const std::uint64_t every = std::max(more / mostPoints + 1, (count + mostVoxels - 1) / mostVoxels);
         std::uint64_t met = 0;
         for (std::uint32_t voxel = first; voxel < end; ++voxel)
             if (hierarchy.voxels[voxel].points > 0 && met++ % every == 0) upper.push_back(voxel);

@@ -14,7 +14,7 @@
 namespace scancast {
 
 /// Voxels from the root down, whole levels, until they have `enough` points or the next level has too many. Of one voxel as many points as it has, otherwise
-/// not many more than 200,000.
+/// not many more than 200,000; of 512 voxels at most.
 std::vector<std::uint32_t> upperVoxels(const VoxelTree& hierarchy, std::uint64_t enough);
 
 /// `records`: of each voxel that was read; `depth`: what their colours say together. Errors: as of buildCloud().

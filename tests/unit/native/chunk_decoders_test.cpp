@@ -56,10 +56,10 @@ class FakeDecoder : public ::testing::Test {
   protected:
     FakeDecoder() { ::signal(SIGPIPE, SIG_IGN); }  // as programs do
 
-    Error errorOf(const std::string& script) {
+    Error errorOf(const std::string& script, int silence = 20) {
         const auto path = folder_.write("scancast-import-laz", "#!/bin/sh\n" + script + "\n");
         ::chmod(path.c_str(), 0755);
-        ImportOptions options{.importerDirectory = path.parent_path(), .importerSilenceSeconds = 1};
+        ImportOptions options{.importerDirectory = path.parent_path(), .importerSilenceSeconds = silence};
         options.importerSandbox = ImporterSandbox::Off;
         const auto decoders = ChunkDecoders::create(options, 1);
         const auto records = decoders->decode({7, 36, {}, 1}, 2, std::vector<std::byte>(50));
@@ -141,15 +141,17 @@ TEST_F(FakeDecoder, ThatEndsIsAnError) {
 }
 
 TEST_F(FakeDecoder, ThatCrashesIsAnError) {
-    EXPECT_THAT(errorOf("kill -SEGV $$").message, HasSubstr("crashed (signal 11"));
+    EXPECT_THAT(errorOf("ulimit -c 0; kill -SEGV $$").message, HasSubstr("crashed (signal 11"));
 }
 
 TEST_F(FakeDecoder, ThatHangsIsAnError) {
-    EXPECT_THAT(errorOf("read line; while :; do :; done").message, HasSubstr("hangs"));
+    EXPECT_THAT(errorOf("read line; while :; do :; done", 1).message, HasSubstr("hangs"));
 }
 
 TEST_F(FakeDecoder, ThatLiesIsAnError) {
-    EXPECT_THAT(errorOf("echo nonsense that is no answer at all").message, HasSubstr("its answer is none"));
+    // Once all has been asked: 40 bytes, and the chunk's 50.
+    EXPECT_THAT(errorOf("head -c 90 >/dev/null; echo nonsense that is no answer at all").message,
+                HasSubstr("its answer is none"));
 }
 
 TEST(ChunkMessages, ReadBackAsTheyWereWritten) {

@@ -241,6 +241,21 @@ TEST(CopcUpperLevels, AreSomeVoxelsWhereTheLevelsAboveAreEmpty) {
     EXPECT_EQ(upper, (std::vector<std::uint32_t>{7, 12}));
 }
 
+/// Each may be a request.
+TEST(CopcUpperLevels, AreNotMoreVoxelsThanAreFetchedAtOnce) {
+    for (const std::uint32_t above : {0U, 1U}) {
+        VoxelTree hierarchy;
+        for (std::int32_t level = 0; level <= 14; ++level)
+            for (std::int32_t at = 0; at < 1 << level; ++at) {
+                Voxel& voxel = hierarchy.voxels.emplace_back();
+                voxel.key = {level, {at, 0, 0}};
+                voxel.points = level < 14 ? above : 1;
+            }
+        // Whole levels, of 1 + 2 + … + 256; or some of one.
+        EXPECT_EQ(upperVoxels(hierarchy, 50'000).size(), above > 0 ? 511U : 512U);
+    }
+}
+
 namespace {
 
 /// One thing changed in a file that is sound otherwise.

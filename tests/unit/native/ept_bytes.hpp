@@ -21,7 +21,8 @@ class MemoryFolder final : public FolderReader {
   public:
     std::map<std::string, Bytes> files;
     mutable std::multiset<std::string> asked;
-    bool isFar = false;  ///< what is read may be another the second time
+    bool isFar = false;                           ///< what is read may be another the second time
+    mutable std::map<std::string, Bytes> atHand;  ///< what is read instead until it is forgotten
 
     void write(const std::string& name, std::string_view text) {
         const auto bytes = std::as_bytes(std::span(text));
@@ -29,13 +30,17 @@ class MemoryFolder final : public FolderReader {
     }
     Expected<Bytes> read(const std::string& name, std::uint64_t most) const override {
         asked.insert(name);
+        if (const auto other = atHand.find(name); other != atHand.end()) return other->second;
         const auto found = files.find(name);
         if (found == files.end()) return fail(ErrorCode::NotFound, "its file " + name + " is missing");
         if (found->second.size() > most)
             return fail(ErrorCode::ResourceLimit, "its file " + name + " is too long");
         return found->second;
     }
-    bool forget(const std::string&) const override { return isFar; }
+    bool forget(const std::string& name) const override {
+        atHand.erase(name);
+        return isFar;
+    }
 };
 
 /// The importer's code, in this process.

@@ -170,7 +170,42 @@ TEST_P(EptCloud, ATileWithOthersThanItsHierarchySaysIsDamaged) {
     }
 }
 
+/// Pages are cut where they have named nodes and other pages already.
+TEST_P(EptCloud, WhatIsDamagedAtHandIsReadAgainWhenItIsOpened) {
+    auto folder = EptMaker::make(copc(), GetParam());
+    const auto sound = openFolder(folder);
+    ASSERT_TRUE(sound) << sound.error().message;
+    folder.isFar = true;
+    for (const auto& [name, bytes] : folder.files)
+        if (name.starts_with("ept-hierarchy/") || name == EptMaker::tileName({}, GetParam()))
+            folder.atHand[name].assign(bytes.begin(), bytes.begin() + std::ptrdiff_t(bytes.size() - 1));
+    if (GetParam() == Kind::Laszip) folder.atHand.at(EptMaker::tileName({}, GetParam())).resize(100);
+    const auto file = openFolder(std::move(folder));
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ((*file)->facts().revision, (*sound)->facts().revision);
+    EXPECT_EQ((*file)->facts().notes, (*sound)->facts().notes);
+    EXPECT_EQ((*file)->nodes().size(), (*sound)->nodes().size());
+}
+
 INSTANTIATE_TEST_SUITE_P(All, EptCloud, ::testing::ValuesIn(EptMaker::kinds), nameOfKind);
+
+/// They can be unpacked, and are no places.
+TEST(EptTiles, WithPointsNowhereAreToldOfAndLeftOut) {
+    const CopcBytes copc = CopcMaker::make(wavyPoints(3000), 300);
+    auto folder = EptMaker::make(copc, Kind::Floats);
+    const auto breakTile = [&](const VoxelKey& key, double x) {
+        storeLe(folder.files.at(EptMaker::tileName(key, Kind::Floats)).data(), x);
+    };
+    breakTile(std::next(copc.voxels.begin())->first, std::nan(""));
+    const auto file = openFolder(folder, false, copc.points.size() / 4 + 1);
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_THAT((*file)->facts().notes,
+                Contains(HasSubstr("1 voxel of its upper levels cannot be read, and are left out")));
+    breakTile({}, 1e300);
+    const auto none = openFolder(folder);
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().code, ErrorCode::Malformed);
+}
 
 /// Each page and each tile is read once, and nothing else is.
 TEST(EptPages, AreReadOnceAndNamedByKeysAlone) {

@@ -156,6 +156,21 @@ TEST_F(RemoteFolderTest, failsAtOnceWhileItsServerIsAwayAndComesBackByItself) {
     EXPECT_EQ(back, 1);
 }
 
+TEST_F(RemoteFolderTest, whatFailsLateSaysNothingOfAServerThatHasComeBackSince) {
+    RemoteFiles files(patient());
+    const auto file = files.open(*RemoteUrl::parse(server_.url(path)));
+    ASSERT_TRUE(file);
+    const RequestFault fault{RequestFault::Kind::Unreachable, "nothing came"};
+    const auto before = std::chrono::steady_clock::now();
+    EXPECT_TRUE((*file)->lost(fault, before));
+    EXPECT_TRUE(happens([&] { return !(*file)->isAway(); }));
+    EXPECT_FALSE((*file)->lost(fault, before));
+    EXPECT_FALSE((*file)->isAway());
+    server_.goAway(true);
+    EXPECT_TRUE((*file)->lost(fault, std::chrono::steady_clock::now()));
+    EXPECT_TRUE((*file)->isAway());
+}
+
 TEST_F(RemoteFolderTest, oneThatIsRefusedIsDamagedWhereTheDescriptionIsNot) {
     RemoteFiles files(patient());
     const auto folder = open(files);

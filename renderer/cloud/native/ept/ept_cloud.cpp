@@ -133,14 +133,8 @@ class EptVoxels final : public VoxelSource {
     Expected<void> openLaz(std::uint64_t upperPoints) {
         const auto upper = upperVoxels(scan_.tree, upperPoints);
         for (const std::uint32_t voxel : upper) expect(voxel);
-        const std::string name = tileOf(upper.front());
-        const auto tile = files_->read(name, mostBytes(upper.front()));
+        const auto tile = takeHead(upper.front());
         if (!tile) return passOn(tile);
-        auto head = headOfTile(*tile);
-        if (!head) return fail(head.error().code, "its file " + name + ": " + head.error().message);
-        if (!std::isfinite(head->grid().reach()))
-            return fail(ErrorCode::Malformed, "its file " + name + ": its points may be infinitely far away");
-        las_ = *head;
         shape_.packing = chunk_messages::Packing::LazFile;
         shape_.pointFormat = std::uint32_t(las_.pointFormat);
         shape_.recordBytes = las_.recordBytes;
@@ -152,6 +146,25 @@ class EptVoxels final : public VoxelSource {
         scan_.grid = las_.grid();
         scan_.records = std::make_shared<const import_octree::LasDecoder>(las_, std::vector<LasColumn>());
         return {};
+    }
+
+    /// The tile; what its head says becomes that of all.
+    Expected<TileBytes> takeHead(std::uint32_t voxel) {
+        const std::string name = tileOf(voxel);
+        // As in records().
+        for (int tries = 2;; --tries) {
+            auto tile = files_->read(name, mostBytes(voxel));
+            if (!tile) return tile;
+            auto head = headOfTile(*tile);
+            if (head && !std::isfinite(head->grid().reach()))
+                head = fail(ErrorCode::Malformed, "its points may be infinitely far away");
+            if (head) {
+                las_ = *head;
+                return tile;
+            }
+            if (!files_->forget(name) || tries == 1)
+                return fail(head.error().code, "its file " + name + ": " + head.error().message);
+        }
     }
 
     /// The coordinate reference system, where ept.json has none; and what points have besides.

@@ -29,6 +29,24 @@ Expected<Voxel> voxelOf(const import_octree::EptNode& node, const VoxelLimits& l
     return voxel;
 }
 
+/// Adds the page of `root`; the bytes that were read. What came over a network may be sound the second time.
+Expected<std::uint64_t> addPage(const FolderReader& files, const import_octree::VoxelKey& root,
+                                import_octree::EptPages& pages) {
+    const std::string name = import_octree::eptPageName(root);
+    const std::size_t nodes = pages.nodes.size(), ahead = pages.ahead.size();
+    std::uint64_t bytesRead = 0;
+    for (int tries = 2;; --tries) {
+        const auto bytes = files.read(name, longestEptPage);
+        if (!bytes) return passOn(bytes);
+        bytesRead += bytes->size();
+        auto ok = import_octree::parseEptPage(*bytes, root, pages);
+        if (ok) return bytesRead;
+        if (ok.error().code != ErrorCode::Malformed || !files.forget(name) || tries == 1) return passOn(ok);
+        pages.nodes.resize(nodes);
+        for (; pages.ahead.size() > ahead; pages.ahead.pop_back()) pages.known.erase(pages.ahead.back());
+    }
+}
+
 }  // namespace
 
 Expected<VoxelTree> readEptTree(const FolderReader& files, const VoxelLimits& limits) {
@@ -44,10 +62,9 @@ Expected<VoxelTree> readEptTree(const FolderReader& files, const VoxelLimits& li
         pagesRead += now.size();
         for (const auto& root : now) files.expect(import_octree::eptPageName(root), longestEptPage);
         for (const auto& root : now) {
-            const auto bytes = files.read(import_octree::eptPageName(root), longestEptPage);
+            const auto bytes = addPage(files, root, pages);
             if (!bytes) return passOn(bytes);
-            bytesRead += bytes->size();
-            if (auto ok = import_octree::parseEptPage(*bytes, root, pages); !ok) return passOn(ok);
+            bytesRead += *bytes;
             if (isTooLarge())
                 return fail(ErrorCode::ResourceLimit,
                             fmt::format("its hierarchy has more than {} nodes or {} pages, and is not shown "

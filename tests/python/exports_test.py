@@ -4,6 +4,7 @@ import os
 import re
 import tempfile
 import unittest
+import unittest.mock
 
 import support
 from points_test import las, ply
@@ -33,6 +34,7 @@ class Answering(unittest.TestCase):
         with support.lying(answer) as url:
             there = object.__new__(facts.CloudFacts)
             object.__setattr__(there, "id", "a town")
+            object.__setattr__(there, "points", 1000)
             return ask(cloud.Cloud(scancast.Server(url, timeout=10)._transport, there))
 
 
@@ -57,6 +59,15 @@ class Points(Answering):
                               CHUNKS + b'Scancast-Losses: "colours have 8 bits", "a \\"word\\""\r\nScancast-Points: 1000\r\n')
         self.assertEqual(found, (1000, ["colours have 8 bits", 'a "word"', "rounded"]))
         self.assertEqual(self.asked[1], {"format": "ply"})
+
+    def test_more_points_than_the_cloud_has_are_not_taken(self):
+        now = object.__new__(facts.CloudFacts)
+        with unittest.mock.patch.object(cloud.Cloud, "ask", return_value=now):
+            object.__setattr__(now, "points", 1001)
+            self.assertEqual(len(self.answered(lambda cloud: cloud.points(), chunked(ply(1001)), CHUNKS)), 1001, "it has grown")
+            for ask in (lambda cloud: cloud.points(), lambda cloud: cloud.profile([(0, 0), (1, 1)])):
+                with self.assertRaisesRegex(scancast.BadAnswer, "1002 points .* has 1001"):
+                    self.answered(ask, chunked(ply(1002)), CHUNKS)
 
     def test_what_ends_early_is_not_taken_for_all(self):
         whole = ply(1000)
@@ -103,6 +114,8 @@ class Files(Answering):
         self.assertEqual(self.asked[1], {"format": "png", "line": [[0, 0], [3, 4]], "width": 2, "picture": {"pointSize": 2, "color": "rgb"}})
         with self.assertRaises(scancast.BadAnswer):
             self.answered(ask, b"PNG", b'Content-Type: image/png\r\nContent-Length: 3\r\nScancast-Profile: {"left": "0"}\r\n')
+        huge = self.answered(ask, b"PNG", b'Content-Type: image/png\r\nContent-Length: 3\r\nScancast-Profile: {"left": -1%s}\r\n' % (b"0" * 400))
+        self.assertEqual(huge.left, -float("inf"))
 
     def test_losses_are_a_list_of_strings(self):
         self.assertEqual(_exports.strings_of('"a", "b\\\\\\"c"'), ["a", 'b\\"c'])

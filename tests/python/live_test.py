@@ -4,7 +4,9 @@ import json
 import socket
 import struct
 import threading
+import time
 import unittest
+import unittest.mock
 
 import support
 from frames_test import frame
@@ -13,6 +15,8 @@ from websocket_test import BINARY, CLOSE, TEXT, client_frames, close, server_fra
 import scancast
 from scancast import live
 from scancast._http import Transport
+from scancast._rfc6455 import Message
+from scancast.websocket import WebSocket
 
 
 def text(message):
@@ -67,7 +71,7 @@ def playing(*parts):
         (left.pop(0) if len(left) > 1 else left[0])(Session(connection))
 
     with support.lying(answer) as url:
-        yield Transport(url, None, 5.0, None, 0.0)
+        yield Transport(url, None, support.PATIENCE, None, 0.0)
 
 
 def opened(transport, **options):
@@ -106,6 +110,19 @@ class Beginning(unittest.TestCase):
         with playing(part) as transport, opened(transport) as view:
             self.assertEqual(view.still().id, 1)
 
+    def test_messages_without_end_do_not_prolong_the_wait_for_a_welcome(self):
+        received = []
+
+        def receive(socket_, wait=None):
+            received.append(wait)
+            self.assertLess(len(received), 1000, "it goes on and on")
+            time.sleep(0.01)
+            return Message(TEXT, '{"type": "newer"}')
+
+        with support.lying(lambda connection: (upgrade(connection), Session(connection).until("never"))) as url:
+            with unittest.mock.patch.object(WebSocket, "receive", receive), self.assertRaises(scancast.TimedOut):
+                opened(Transport(url, None, 0.3, None, 0.0))
+
     def test_hello_says_what_is_wanted(self):
         heard = []
 
@@ -129,7 +146,7 @@ class GoingOn(unittest.TestCase):
                 acknowledged.append(session.until("ack")["frame"])
             session.until("never")
         with playing(part) as transport, opened(transport) as view:
-            support.wait_until(lambda: len(acknowledged) == 4, "frames are not acknowledged")
+            support.wait_until(lambda: len(acknowledged) == 4 and view._newest == 4, "frames are not acknowledged")
             self.assertEqual(view.frame().id, 4)
             self.assertEqual(view.skipped, 3)
             with self.assertRaises(scancast.TimedOut):
@@ -166,7 +183,7 @@ class GoingOn(unittest.TestCase):
         def part(session):
             session.hear()
             session.send(text(WELCOME))
-            first, second = session.until("pick"), session.until("pick")
+            first, second = sorted((session.until("pick"), session.until("pick")), key=lambda pick: pick["x"])  # two threads say them
             point = {"position": [1, 2, 3], "precision": [0, 0, 0], "depth": 1, "distance": 0}
             session.send(text({"type": "picked", "seq": second["seq"], "point": None}), text({"type": "picked", "seq": 999, "point": None}),
                          text({"type": "picked", "seq": first["seq"], "point": point}))
@@ -207,10 +224,13 @@ class GoingOn(unittest.TestCase):
         self.assertEqual(heard[0]["view"]["camera"], {"eye": [0, 0, 9], "fov": 33})
 
     def test_a_server_that_remembers_nothing_begins_again(self):
+        taken = threading.Event()
+
         def first(session):
             session.hear()
             session.send(text(WELCOME), shows(1, 0))
             session.until("ack")
+            taken.wait(support.PATIENCE)
             session.connection.shutdown(socket.SHUT_RDWR)
 
         def second(session):
@@ -220,6 +240,7 @@ class GoingOn(unittest.TestCase):
 
         with playing(first, second) as transport, opened(transport) as view:
             self.assertEqual(view.frame().id, 1)
+            taken.set()
             self.assertEqual(view.frame().id, 1, "the first one of another session")
             self.assertEqual(view.session, "s2")
 
@@ -270,9 +291,18 @@ class GoingOn(unittest.TestCase):
                     part(Session(copy))
             threading.Thread(target=play, daemon=True).start()
 
-        with support.lying(answer) as url, opened(Transport(url, None, 5.0, None, 0.0)) as view:
+        with support.lying(answer) as url, opened(Transport(url, None, support.PATIENCE, None, 0.0)) as view:
             self.assertEqual(view.still().id, 5)
             support.wait_until(lambda: ends and ends[-1] == 1000, "the first connection is not ended politely")
+
+    def test_a_server_that_leaves_at_no_time_stays(self):
+        for never in (10**400, 10**300, 1e999, float("nan")):
+            def part(session, never=never):
+                session.hear()
+                session.send(text(WELCOME), text({"type": "drain", "afterMilliseconds": never}), shows(1, 0))
+                session.until("never")
+            with playing(part) as transport, opened(transport) as view:
+                self.assertEqual(view.still().id, 1)
 
     def test_it_does_not_come_back_where_that_makes_no_sense(self):
         def part(session):

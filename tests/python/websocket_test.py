@@ -5,6 +5,7 @@ import struct
 import threading
 import time
 import unittest
+import unittest.mock
 
 import support
 
@@ -182,6 +183,37 @@ class Connecting(unittest.TestCase):
         self.assertEqual((str(error), error.retry_after), ("It leaves.", 3.0))
         lie = self.refused(lambda c: (support.request_head(c), c.sendall(b"HTTP/1.1 404 x\r\nContent-Length: 99999999999999\r\n\r\nno")), errors.NotFound)
         self.assertIn("is it a Scancast server?", str(lie))
+
+    def test_a_refusal_that_comes_byte_by_byte_is_not_waited_for(self):
+        finished = []
+
+        def serve(connection):
+            support.request_head(connection)
+            connection.sendall(b"HTTP/1.1 404 x\r\nContent-Length: 1000\r\n\r\n")
+            for _ in range(1000):
+                connection.sendall(b"x")
+                time.sleep(0.02)
+            finished.append(True)
+
+        with unittest.mock.patch.object(websocket, "_REFUSAL_SECONDS", 0.1):
+            self.refused(serve, errors.NotFound, timeout=support.PATIENCE)
+        self.assertEqual(finished, [])
+
+    def test_pings_without_end_do_not_prolong_a_wait(self):
+        reads = []
+
+        def read(until):
+            reads.append(until)
+            self.assertLess(len(reads), 1000, "it goes on and on")
+            time.sleep(0.01)
+            return server_frame(PING, b"still there")
+
+        with support.lying(lambda connection: (upgrade(connection), connection.recv(1))) as url:
+            socket_ = connect(url)
+            with unittest.mock.patch.object(socket_, "_read", read), unittest.mock.patch.object(socket_, "_send") as send:
+                self.assertIsNone(socket_.receive(0.1))
+            self.assertEqual(send.call_count, len(reads), "each is answered")
+            socket_.drop()
 
     def test_pings_are_answered_and_closes_too(self):
         heard = {}

@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import unittest
+import unittest.mock
 
 import support
 
@@ -155,12 +156,17 @@ class Problems(unittest.TestCase):
         self.assertIsInstance(errors.problem({}, 401), PermissionError)
         self.assertIsInstance(errors.problem({}, 400), ValueError)
 
+    def test_numbers_that_no_float_holds_are_infinite(self):
+        error = errors.problem({"price": 10**400, "limit": -10**400, "nearest": {"width": 10**400}}, 413)
+        self.assertEqual((error.price, error.limit), (float("inf"), -float("inf")))
+
 
 class Decoding(unittest.TestCase):
     def test_what_is_wrong_is_named(self):
         for told, named in (([], "parameter"), ({"name": 1}, "parameter.name"), ({"name": "a", "type": "number"}, "default"),
                             ({"name": "a", "type": "b", "default": 1, "meaning": "c", "choices": [1]}, r"choices\[0\]"),
-                            ({"name": "a", "type": "b", "default": 1, "meaning": "c", "min": True}, "min")):
+                            ({"name": "a", "type": "b", "default": 1, "meaning": "c", "min": True}, "min"),
+                            ({"name": "a", "type": "b", "default": 1, "meaning": "c", "min": -10**400}, "min is no number")):
             with self.assertRaisesRegex(scancast.BadAnswer, named):
                 _decode.decode(facts.Parameter, told, "parameter")
 
@@ -170,6 +176,12 @@ class Decoding(unittest.TestCase):
 
 
 class Addresses(unittest.TestCase):
+    def test_a_pass_may_end_at_any_time(self):
+        transport = _http.Transport("http://a/#guest=scg1.a.b", None, 1.0, None, 0.0)
+        answer = {"token": "pass", "expiresInSeconds": 10**400}
+        with unittest.mock.patch.object(transport, "_once"), unittest.mock.patch.object(transport, "_json_of", return_value=answer):
+            self.assertEqual(transport.token(), "pass")
+
     def test_what_is_a_servers(self):
         self.assertEqual(_http.parse_url("https://a.example:8443/")[0], (True, "a.example", 8443))
         self.assertEqual(_http.parse_url("http://[::1]:80")[0].authority, "[::1]:80")

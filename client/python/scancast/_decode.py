@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from typing import Any, Dict, List, Tuple, Type, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from ._values import camel
+from ._values import as_float, camel
 from .errors import BadAnswer
 
 T = TypeVar("T")
@@ -53,7 +54,10 @@ def _value(kind: Any, value: Any, what: str) -> Any:
     if dataclasses.is_dataclass(kind):
         return decode(kind, value, what)
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
+        number = as_float(value)
+        if math.isinf(number):
+            raise _wrong(what, "number")
+        return number
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
         raise _wrong(what, kind.__name__)
     return value

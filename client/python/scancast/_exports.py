@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, 
 
 from . import errors, words
 from ._http import Body, Transport
-from ._values import Box, Vector, camel, plain, snake
+from ._values import Box, Vector, as_float, camel, plain, snake
 from .picture import Path, Picture, whole_file
 from .point_data import PointReader
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._view_words import ViewWords
+    from .facts import CloudFacts
 
     Array = numpy.ndarray[Any, Any]
 
@@ -148,7 +149,7 @@ def _number(told: Mapping[str, Any], name: str) -> float:
     value = told.get(name, 0.0)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise errors.BadAnswer(f"the server's answer is not as the protocol has it: Scancast-Profile's {name} is no number")
-    return float(value)
+    return as_float(value)
 
 
 def region_of(given: Mapping[str, Any]) -> Dict[str, Any]:
@@ -177,9 +178,21 @@ class PointsOfCloud:
     """What a cloud says of its points."""
 
     _transport: Transport
+    facts: "CloudFacts"
 
     def _path(self, what: str) -> str:
         raise NotImplementedError
+
+    def refresh(self) -> "PointsOfCloud":
+        raise NotImplementedError
+
+    def _array(self, stream: PointStream) -> "Array":
+        """All of it: no more than the cloud has, or has by now, since it stays in memory."""
+        if stream.count > self.facts.points:
+            most = self.refresh().facts.points
+            if stream.count > most:
+                raise errors.BadAnswer(f"{self._transport.address.authority} says that {stream.count} points come, of a cloud that has {most}")
+        return stream.array()
 
     def _received(self, what: str, body: Mapping[str, Any]) -> "contextlib.AbstractContextManager[Body]":
         return self._transport.stream("POST", self._path(what), body, "*/*")
@@ -213,7 +226,7 @@ class PointsOfCloud:
         >>> cloud.points(polygon=[(0, 0), (10, 0), (10, 10)])["z"].mean()    # doctest: +SKIP
         """
         with self.open_points(normals=normals, **region) as stream:
-            return stream.array()
+            return self._array(stream)
 
     def save_points(self, path: Path, *, normals: bool = False, **region: "Unpack[RegionWords]") -> Saved:
         """The same as a file: LAS, PLY, CSV or text, as its name says; complete or not there."""
@@ -231,7 +244,7 @@ class PointsOfCloud:
     def profile(self, line: Sequence[Sequence[float]], width: float = 1.0, *, normals: bool = False, **region: "Unpack[RegionWords]") -> "Array":
         """The same as one array, in the order of the cloud file: ``numpy.sort(profile, order="station")`` goes along the line."""
         with self.open_profile(line, width, normals=normals, **region) as stream:
-            return stream.array()
+            return self._array(stream)
 
     def save_profile(self, path: Path, line: Sequence[Sequence[float]], width: float = 1.0, *, normals: bool = False,
                      **region: "Unpack[RegionWords]") -> Saved:

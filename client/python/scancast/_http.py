@@ -16,6 +16,7 @@ from typing import Any, Callable, Dict, Iterator, Mapping, NamedTuple, Optional,
 from urllib.parse import unquote, urlsplit
 
 from . import errors
+from ._values import as_float
 
 T = TypeVar("T")
 _TOKEN = re.compile(r"[\x21-\x7e]{1,8192}")
@@ -185,7 +186,7 @@ class Transport:
                     raise errors.BadAnswer(f"{self.address.authority} gave a guest no pass: is it a Scancast server?")
                 self._pass = checked_token(told["token"])
                 seconds = told.get("expiresInSeconds")
-                self._pass_ends = time.monotonic() + 0.8 * (seconds if isinstance(seconds, (int, float)) else 60)
+                self._pass_ends = time.monotonic() + 0.8 * (as_float(seconds) if isinstance(seconds, (int, float)) else 60)
             return self._pass
 
     def _headers(self, body: Optional[bytes], accept: str, token: Optional[str], more: Optional[Mapping[str, str]]) -> Dict[str, str]:

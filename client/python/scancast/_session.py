@@ -5,6 +5,7 @@ LiveView is what people use of it. What arrives is kept under `_change`, which t
 from __future__ import annotations
 
 import json
+import math
 import threading
 import time
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
@@ -12,6 +13,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 from . import errors
 from ._http import Transport
 from ._rfc6455 import BINARY, CLOSE, WebSocketError
+from ._values import as_float
 from ._wanted import Wanted
 from .frames import Frame, parse_frame
 from .websocket import WebSocket
@@ -19,6 +21,7 @@ from .websocket import WebSocket
 SUBPROTOCOL = "scancast.v1"
 MESSAGE_LIMIT = 64 << 20  # bytes of a message; a JPEG of 16384 x 16384 pixels is rarely as large
 _LONGEST_PAUSE = 10.0
+_LONGEST_STAY = 60.0  # seconds at a server that is about to leave, whatever it says
 _MOST_PROBLEMS = 100
 _COMES_BACK = (1001, 1006, 1011, 1012, 1013)  # codes after which it is worth trying: the server leaves, or has no place now
 
@@ -119,7 +122,8 @@ class Session:
             socket.send_text(json.dumps(hello, allow_nan=False))
             until = time.monotonic() + transport.timeout
             while True:
-                message = socket.receive(max(0.0, until - time.monotonic()))
+                left = until - time.monotonic()
+                message = socket.receive(left) if left > 0 else None  # other messages do not prolong it
                 if message is None:
                     raise errors.TimedOut("the server did not welcome the view in time")
                 if message.kind == CLOSE:
@@ -190,7 +194,9 @@ class Session:
             told = _read_json(str(message.data))
             if told.get("type") == "drain":
                 after = told.get("afterMilliseconds")
-                leave_at = time.monotonic() + (after / 1000 if isinstance(after, (int, float)) else 0)
+                seconds = as_float(after) / 1000 if isinstance(after, (int, float)) else 0.0
+                if not math.isnan(seconds):
+                    leave_at = time.monotonic() + min(_LONGEST_STAY, seconds)
             else:
                 self._take(told)
 

@@ -75,6 +75,18 @@ def shown(text: str) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
+def as_float(value: Union[int, float]) -> float:
+    """A number of a server's; JSON has integers that no float can hold, which are infinite then.
+
+    >>> as_float(3), as_float(-10**400)
+    (3.0, -inf)
+    """
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
 def number_text(value: Union[int, float]) -> str:
     """As short as it reads back exactly.
 

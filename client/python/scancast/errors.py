@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Type
 
-from ._values import shown, snake
+from ._values import as_float, shown, snake
 from ._view_words import PLACES
 
 _PREFIX = "urn:scancast:problem:"
@@ -133,7 +133,7 @@ _BY_STATUS: Dict[int, Type[Refused]] = {
 
 
 def _number(value: Any) -> Optional[float]:
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+    return as_float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
 
 def _seconds(text: Optional[str]) -> Optional[float]:

@@ -18,6 +18,7 @@ from ._rfc6455 import (CLOSE, PING, PONG, TEXT, FrameReader, Head, Message, WebS
 
 _HEAD_LIMIT = 64 << 10
 _REFUSAL_LIMIT = 1 << 20
+_REFUSAL_SECONDS = 5.0
 _READ = 256 << 10
 
 
@@ -76,7 +77,7 @@ class WebSocket:
                 text, _, rest = bytes(data).partition(b"\r\n\r\n")
                 head = parse_head(text)
                 if head.status != 101:
-                    raise refusal(address, head.status, Headers(head.headers), _refusal_body(connected, head, rest))
+                    raise refusal(address, head.status, Headers(head.headers), _refusal_body(connected, head, rest, timeout))
                 check_upgrade(head, key, subprotocol)
                 return cls(connected, where, timeout, limit, text_limit, rest)
             except BaseException:
@@ -167,6 +168,8 @@ class WebSocket:
                 raise error
             if self._gone:
                 raise errors.ConnectionFailed(f"the connection to {self._where} is closed")
+            if until is not None and time.monotonic() > until + 0.001:  # pings, and messages in pieces, do not prolong it
+                return None
             data = self._read(until)
             if data is None:
                 return None
@@ -203,13 +206,18 @@ class WebSocket:
             self._socket.close()
 
 
-def _refusal_body(connected: socket.socket, head: Head, begun: bytes) -> bytes:
-    """As much of it as there is, of a plain body that says how long it is; nothing waits for long."""
+def _refusal_body(connected: socket.socket, head: Head, begun: bytes, timeout: float) -> bytes:
+    """As much of it as there is in some seconds, of a plain body that says how long it is."""
+    end = time.monotonic() + min(timeout, _REFUSAL_SECONDS)
     text = head.headers.get("content-length", "")
     size = min(int(text), _REFUSAL_LIMIT) if text.isascii() and text.isdigit() and len(text) < 12 else 0
     body = bytearray(begun[:size])
     try:
         while len(body) < size:
+            left = end - time.monotonic()
+            if left <= 0:
+                break
+            connected.settimeout(left)
             part = connected.recv(min(_READ, size - len(body)))
             if not part:
                 break

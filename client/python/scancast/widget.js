@@ -6,6 +6,7 @@
 
 const quietMs = 150; // a drag tells Python so often
 const steadyPx = 4; // a press that moves farther is a drag
+const tokenMs = 10_000; // Python is asked for a token so often at most: one that is refused is refused again
 
 /** What is said where the server does not let this page in, which a browser does not tell from its being away. */
 const unreachable = (server, origin) => `The view cannot be loaded from ${server}. If the server is up, it does not know this notebook's address: `
@@ -95,8 +96,12 @@ async function render({ model, el }) {
   }, quietMs);
   view.addEventListener('viewchange', tell);
   view.addEventListener('cloudchange', tell);
+  let askedAt = -Infinity;
   view.addEventListener('connection', ({ detail }) => {
-    if (detail.kind === 'locked' && model.get('_locked')) model.send({ type: 'token' });
+    if (detail.kind === 'locked' && model.get('_locked') && performance.now() - askedAt > tokenMs) {
+      askedAt = performance.now();
+      model.send({ type: 'token' });
+    }
     say(detail.kind === 'open' ? '' : [detail.kind, detail.detail].filter(Boolean).join(': '));
   });
   view.addEventListener('problem', ({ detail }) => say(detail.detail ?? detail.title ?? ''));

@@ -1,5 +1,5 @@
 // What only the server can measure, because it takes the scan's own points and not only those that were picked: volumes, and shapes
-// that are fitted. It is asked once for each measure, and again where that has changed.
+// that are fitted. It is asked once for each measure, and again where that has changed; one question at a time, as a link may hold hundreds.
 
 import { kinds } from './values.js';
 
@@ -16,7 +16,7 @@ export function questionOf({ kind, points, option }, view) {
 export class Answers {
   #viewer;
   #measures;
-  #asked = new Set(); // of measures, which are never changed
+  #isAsking = false;
 
   constructor(viewer, measures) {
     this.#viewer = viewer;
@@ -24,23 +24,29 @@ export class Answers {
     measures.addEventListener('change', () => this.#askAll());
   }
 
-  #askAll() {
-    for (const one of this.#measures.list) if (kinds[one.kind].asks && one.visible && !one.answer && !one.trouble && !this.#asked.has(one.points)) this.#ask(one);
+  /** A measure of which the server has said nothing yet, be it that it failed: an empty trouble is one, too. */
+  get #next() {
+    return this.#measures.list.find((one) => kinds[one.kind].asks && one.visible && !one.answer && one.trouble === undefined);
+  }
+
+  async #askAll() {
+    if (this.#isAsking) return;
+    this.#isAsking = true;
+    for (let one = this.#next; one; one = this.#next) await this.#ask(one);
+    this.#isAsking = false;
   }
 
   async #ask(measure) {
     const { cloud, view, server } = this.#viewer;
-    this.#asked.add(measure.points);
     let facts;
     try {
-      facts = { answer: await server.measure(cloud.id, questionOf(measure, view)) };
+      const answer = await server.measure(cloud.id, questionOf(measure, view));
+      facts = answer ? { answer } : { trouble: '' };
     } catch (/** @type {any} */ error) {
       facts = { trouble: error.title ? error.message : '' };
     }
-    this.#asked.delete(measure.points);
     const now = this.#measures.find(measure.id);
-    // It may have another name by now; with other points it is another question, which has been asked by then.
+    // It may have another name by now; with other points it is another question, which comes next.
     if (now?.points === measure.points && now.option === measure.option) this.#measures.tell(now, facts);
-    else this.#askAll();
   }
 }

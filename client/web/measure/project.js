@@ -10,6 +10,7 @@ export const mostBytes = 4 << 20;
 const farthest = 1e12;
 const longestName = 120;
 const longestView = 4096;
+const mostLevels = 64; // of lists and objects in each other; what is nested deeper may not be written again
 const shortName = /^[A-Za-z0-9._-]{1,64}$/;
 const ours = ['format', 'version', 'cloud', 'view', 'unit', 'measures'];
 
@@ -28,6 +29,9 @@ export function printProject({ cloud, view, unit, measures, kept = {} }) {
 
 const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
 const isText = (value, longest) => typeof value === 'string' && value.length <= longest;
+
+const isNested = (value, levels) => typeof value === 'object' && value !== null
+  && (levels === 0 || Object.values(value).some((one) => isNested(one, levels - 1)));
 
 function check(holds, sentence) {
   if (!holds) throw new ProjectError(sentence);
@@ -73,6 +77,7 @@ export function parseProject(text) {
   } catch (/** @type {any} */ error) {
     throw new ProjectError(`The file is no JSON: ${error.message}.`);
   }
+  check(!isNested(file, mostLevels), `The file is nested more than ${mostLevels} levels deep, which no project file is.`);
   check(isObject(file) && file.format === format, `The file is no project file: it does not say "format": "${format}".`);
   check(Number.isInteger(file.version) && file.version >= 1, 'The file does not say which version it has.');
   check(file.version <= version, `The file is of version ${file.version}, and this page reads ${version}: a newer Scancast has written it.`);

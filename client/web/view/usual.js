@@ -2,7 +2,8 @@
 
 import { styleKeys } from '../protocol/view_words.js';
 
-export const pick = (view, keys) => Object.fromEntries(keys.map((key) => [key, view?.[key] ?? null]));
+/** Those that `view` has, be it null: a server refuses words that it does not know, and its clouds' views have all that it knows. */
+export const pick = (view, keys) => Object.fromEntries(keys.filter((key) => view?.[key] !== undefined).map((key) => [key, view[key]]));
 
 /** The style in which the server would show the cloud by itself. */
 export const usualStyle = (of) => pick(of?.view, styleKeys);

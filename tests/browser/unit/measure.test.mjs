@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
-import { questionOf } from '../../../client/web/measure/answers.js';
+import { Answers, questionOf } from '../../../client/web/measure/answers.js';
 import { systemText } from '../../../client/web/measure/coordinates.js';
 import { Draft, stepOf } from '../../../client/web/measure/draft.js';
 import { csvOf, dxfOf, geoJsonOf, isWgs84 } from '../../../client/web/measure/export.js';
@@ -96,6 +96,31 @@ describe('what the server computes', () => {
     const view = { classes: [2], outliers: null, clip: null, method: 'point', camera: {} };
     assert.deepEqual(questionOf(made('volume', corners), view), { measure: 'volume', points: corners, base: 'lowest', view: { classes: [2] } });
     assert.deepEqual(questionOf(made('cylinder', [far], { option: 0.3 }), {}), { measure: 'cylinder', points: [far], within: 0.3 });
+  });
+  it('is asked one at a time, once each, be it that it fails without a word', async () => {
+    const measures = new Measures();
+    const asked = [];
+    let [open, most] = [0, 0];
+    const measure = async (cloud, question) => {
+      asked.push(question.base);
+      most = Math.max(most, ++open);
+      await new Promise((done) => { setTimeout(done); });
+      --open;
+      if (question.base === 'lowest') throw new TypeError('Failed to fetch');
+      return question.base === 'plane' ? null : answer;
+    };
+    new Answers(/** @type {any} */ ({ cloud: { id: 'town' }, view: {}, server: { measure } }), measures);
+    measures.begin(['lowest', 'plane', 40, 'lowest'].map((option) => made('volume', corners, { option })));
+    const first = measures.list[0].id;
+    for (let i = 0; i < 20; ++i) {
+      if (i === 3) measures.change(first, { name: 'pit' });
+      await new Promise((done) => { setTimeout(done, 1); });
+    }
+    assert.deepEqual([asked, most], [['lowest', 'plane', 40, 'lowest'], 1]);
+    assert.deepEqual(measures.list.map(({ trouble, answer: said }) => said ?? trouble), ['', '', answer, '']);
+    measures.change(first, { option: 41 });
+    await new Promise((done) => { setTimeout(done, 10); });
+    assert.deepEqual([asked.length, measures.list[0].answer], [5, answer]);
   });
   it('comes to nothing before the answer, and to that then', () => {
     assert.deepEqual(valuesOf(made('volume', corners)), []);
@@ -294,6 +319,7 @@ describe('a project file', () => {
     const cases = [
       ['', /no JSON/], ['null', /no project file/], ['[]', /no project file/], ['{"format": "other"}', /no project file/],
       [`"${'x'.repeat(5 << 20)}"`, /larger than 4 MiB/],
+      [JSON.stringify(whole()).replace('{', `{"later": ${'['.repeat(1 << 20)}${']'.repeat(1 << 20)},`), /64 levels/],
       [change((file) => { delete file.version; }), /which version/], [change((file) => { file.version = 9; }), /version 9/],
       [change((file) => { file.cloud = 7; }), /cloud\.id/], [change((file) => { file.cloud.id = '../../etc'; }), /cloud\.id/],
       [change((file) => { file.view = {}; }), /view is no text/], [change((file) => { file.unit = 'mile'; }), /unit is neither/],

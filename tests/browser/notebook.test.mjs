@@ -38,7 +38,7 @@ const notebook = (traits) => `<!doctype html><title>A notebook</title><div id="c
   window.rendered = true;
 </script>`;
 
-describe('a view in a notebook', { timeout: 120_000 }, () => {
+describe('a view in a notebook', { timeout: 290_000 }, () => {
   let scans, server, locked, browser, site, origin, url, cloud;
   let page = '';
 
@@ -128,6 +128,7 @@ describe('a view in a notebook', { timeout: 120_000 }, () => {
         picked = await tab.evaluate(() => window.model.traits.picked);
       }
     }
+    picked ??= await tab.waitForFunction(() => window.model.traits.picked, undefined, { timeout: 20_000 }).then((one) => one.jsonValue()); // it may come late
     assert.ok(picked?.position.every(Number.isFinite), 'nothing can be picked');
 
     // By name, and gone.

@@ -272,7 +272,7 @@ class LyingServers(unittest.TestCase):
     def answered(self, answer, ask=lambda server: server.clouds(), **options):
         with support.lying(lambda connection: (support.request_head(connection), connection.sendall(answer))) as url:
             with self.assertRaises(scancast.ScancastError) as caught:
-                ask(scancast.Server(url, timeout=5, **options))
+                ask(scancast.Server(url, timeout=support.PATIENCE, **options))
             return caught.exception
 
     def test_they_are_found_out(self):
@@ -288,7 +288,7 @@ class LyingServers(unittest.TestCase):
         busy = b"HTTP/1.1 503 x\r\nRetry-After: %d\r\nContent-Length: 0\r\n\r\n"
         answers = [busy % 0, busy % 0, b'HTTP/1.1 200 OK\r\nContent-Length: 29\r\n\r\n{"clouds": [], "pending": []}']
         with support.lying(lambda connection: (support.request_head(connection), connection.sendall(answers.pop(0)))) as url:
-            self.assertEqual(scancast.Server(url, timeout=5, patience=20).clouds(), [])
+            self.assertEqual(scancast.Server(url, timeout=support.PATIENCE, patience=support.PATIENCE).clouds(), [])
         self.assertEqual(answers, [])
         self.assertEqual(self.answered(busy % 9999, patience=5).retry_after, 9999)
         self.assertIsInstance(self.answered(busy % 1), scancast.Unavailable)

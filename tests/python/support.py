@@ -125,14 +125,19 @@ def lying(answer):
 
 
 def request_head(connection):
-    """What a client asks, up to the blank line."""
+    """What a client asks, its body included: who closes a connection with bytes that he has not read resets it."""
     data = b""
-    while b"\r\n\r\n" not in data:
+    while b"\r\n\r\n" not in data or len(data) < data.index(b"\r\n\r\n") + 4 + _body_bytes(data):
         part = connection.recv(65536)
         if not part:
             return data
         data += part
     return data
+
+
+def _body_bytes(head):
+    found = re.search(rb"(?i)\r\ncontent-length: (\d+)", head)
+    return int(found[1]) if found else 0
 
 
 def mutations(sound, random, count):

@@ -114,7 +114,7 @@ class Widget(unittest.TestCase):
         asked = []
         answers = [b"HTTP/1.1 200 OK\r\nContent-Type: image/jpeg\r\nContent-Length: 4\r\n\r\nJPEG", b"HTTP/1.1 404 x\r\nContent-Length: 0\r\n\r\n"]
         with support.lying(answer) as url:
-            made = widget.make_widget(Transport(url, None, 5.0, None, 0.0), "town", {"camera": {"fov": 50}, "color": "rgb"}, 300)
+            made = widget.make_widget(Transport(url, None, support.PATIENCE, None, 0.0), "town", {"camera": {"fov": 50}, "color": "rgb"}, 300)
             for _ in range(2):
                 made.answers[0](made, {"type": "still", "width": 640, "height": 300}, [])
         self.assertEqual(made.sent, [({"type": "still"}, [b"JPEG"])])

@@ -124,13 +124,13 @@ tl::expected<PointsAnswers::Asked, Problem> PointsAnswers::admit(const HttpReque
                                                                  const VisibleClouds& clouds,
                                                                  std::uint64_t picturePixels) const {
     const bool isPicture = picturePixels > 0;
+    auto cloud = clouds.cloud(routed.id);
+    if (!cloud) return tl::unexpected(std::move(cloud.error()));
     if (routed.grant.identity.kind == IdentityKind::Guest && !isPicture && !options_.guestsMayExport)
         return tl::unexpected(
             problemOf(403,
                       "Guests of this server see pictures, and do not get points; whoever runs it can allow "
                       "that (--guests-may-export)."));
-    auto cloud = clouds.cloud(routed.id);
-    if (!cloud) return tl::unexpected(std::move(cloud.error()));
     if (const auto entry = clouds.find(routed.id); entry && entry->state == CloudState::Loading)
         return tl::unexpected(problemOf(
             503,

@@ -236,7 +236,7 @@ TEST_F(PointsTest, ADamagedBlockCutsTheAnswerShortOrIsToldAtOnce) {
 TEST_F(PointsTest, WhoDoesNotReadIsCutOffAndKeepsNobodyWaiting) {
     options.limits.leastRate = {1 << 20, std::chrono::milliseconds(2000)};
     startWithSurvey();
-    const auto file = std::make_shared<FakeCloudFile>(5, 4, 20'000);
+    const auto file = std::make_shared<FakeCloudFile>(5, 4, 200'000);  // more than a socket holds
     add("fake", file);
     RawSocket deaf(port(), 4096);
     ASSERT_TRUE(deaf.send(requestFor("/api/v1/clouds/fake/points", {{"format", "csv"}})));

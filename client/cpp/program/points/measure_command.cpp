@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cpp/program/command.hpp"
-#include "client/cpp/program/say.hpp"
 #include "client/cpp/program/points/say_values.hpp"
+#include "client/cpp/program/say.hpp"
 #include "protocol/json_text.hpp"
 
 namespace scancast::client {
@@ -121,14 +121,14 @@ void addMeasure(CLI::App& app, int& exitCode) {
         .add_option("--cell", flags->cell,
                     "Of a volume: side of the raster's cells. Default: three times the scan's spacing")
         ->type_name("LENGTH")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Validator(CLI::PositiveNumber).description({}));  // what the meaning says already
     command
         .add_option("--within", flags->within,
                     "Of planes and round things: the scan's points that are so near to these are fitted. "
                     "Without it a plane, or "
                     "a circle of three points, goes through these themselves")
         ->type_name("LENGTH")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Validator(CLI::PositiveNumber).description({}));  // what the meaning says already
     command
         .add_option("--axis", flags->axis,
                     "Of a circle: what it is at right angles to. Default: as the points lie, or upright")

@@ -58,16 +58,17 @@ int main(int argc, char** argv) {
     for (const test::TownHouse& house : houses) {
         MeasureRequest request;
         request.kind = MeasureKind::Volume;
-        request.points.assign(house.corners.begin(), house.corners.end());
+        const auto corners = test::inset(house.corners, test::clearOfNeighbours);
+        request.points.assign(corners.begin(), corners.end());
         const auto start = Clock::now();
         const auto measured = measureVolume(*cloud, {}, request);
         if (!measured) return std::printf("%s\n", measured.error().message.c_str()), 1;
         seconds += secondsSince(start);
         worstTime = std::max(worstTime, secondsSince(start));
         measuredPoints += measured->points;
-        const auto truth = test::volumeByRays(town, house.corners, house.corners[0].z, 0.1);
+        const auto truth = test::volumeByRays(town, corners, corners[0].z, 0.1);
         volumes.push_back(100 * (measured->above / truth.above - 1));
-        bodies.push_back(100 * (measured->above / house.volume() - 1));
+        bodies.push_back(100 * (measured->above / measured->area / (house.volume() / house.area()) - 1));
         areas.push_back(100 * test::frontArea(*cloud, house) / (house.width * (house.eaves - 0.3)) - 100);
     }
     for (const auto& [truth, measured] : test::lengthsBetweenPicks(*cloud, town, 400))

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 
@@ -39,14 +38,6 @@ class MeasuredTown : public ::testing::Test {
         static std::vector<TownHouse> list;
         return list;
     }
-    /// A rectangle, so much smaller on each side.
-    static std::array<glm::dvec3, 4> inset(std::array<glm::dvec3, 4> corners, double by) {
-        const glm::dvec3 u = glm::normalize(corners[1] - corners[0]),
-                         v = glm::normalize(corners[3] - corners[0]);
-        corners[0] += by * (u + v), corners[1] += by * (v - u), corners[2] -= by * (u + v),
-            corners[3] += by * (u - v);
-        return corners;
-    }
     static const Cloud& cloud() { return **cloud_; }
     static const RayCaster& town() { return *town_; }
 
@@ -57,15 +48,14 @@ class MeasuredTown : public ::testing::Test {
 
 TEST_F(MeasuredTown, VolumesOfHousesAreTrueToAHundredth) {
     for (const TownHouse& house : houses()) {
-        // Along its edges stand the walls of neighbours, whose points are as high as these and, by a scanner's noise, on either side.
-        const auto corners = inset(house.corners, 0.2);
+        const auto corners = inset(house.corners, clearOfNeighbours);
         MeasureRequest request;
         request.kind = MeasureKind::Volume;
         request.points.assign(corners.begin(), corners.end());
         const auto measured = measureVolume(cloud(), {}, request);
         ASSERT_TRUE(measured) << measured.error().message;
         const TrueVolume truth = volumeByRays(town(), corners, corners[0].z, 0.1);
-        const double area = (house.width - 0.4) * (house.depth - 0.4);
+        const double area = (house.width - 2 * clearOfNeighbours) * (house.depth - 2 * clearOfNeighbours);
         EXPECT_NEAR(measured->above, truth.above, 0.01 * truth.above);
         EXPECT_NEAR(measured->area, area, 1e-4 * area);
         EXPECT_GT(measured->covered, 0.98 * measured->area);

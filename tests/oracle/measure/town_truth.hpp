@@ -69,6 +69,20 @@ inline std::vector<TownHouse> townHouses(const RayCaster& town, double pavement)
     return houses;
 }
 
+/// Along a house's edges stand the walls of its neighbours, whose points are as high as their roofs and, by a scanner's noise, on either
+/// side: volumes are measured so far inside.
+inline constexpr double clearOfNeighbours = 0.2;
+
+/// A rectangle, so much smaller on each side.
+inline std::array<glm::dvec3, 4> inset(std::array<glm::dvec3, 4> corners, double by) {
+    const glm::dvec3 u = glm::normalize(corners[1] - corners[0]), v = glm::normalize(corners[3] - corners[0]);
+    corners[0] += by * (u + v);
+    corners[1] += by * (v - u);
+    corners[2] -= by * (u + v);
+    corners[3] += by * (u - v);
+    return corners;
+}
+
 struct TrueVolume {
     double above = 0, below = 0;
 };

@@ -29,7 +29,7 @@ ScanPoint pile(std::uint64_t i, std::uint64_t) {
 class Volume : public ::testing::Test {
   protected:
     static void SetUpTestSuite() {
-        SyntheticSource source(sized(120'000, 60'000), pile, {false, false, true, false}, 0.001);
+        SyntheticSource source(120'000, pile, {false, false, true, false}, 0.001);
         BuildOptions options;
         options.shape.leafPoints = 4000;
         cloud_ = new std::shared_ptr<const Cloud>(*buildCloud(source, options));

@@ -79,8 +79,8 @@ TEST(Corridor, StationsAndOffsetsAreThoseOfTheNearestSegment) {
             EXPECT_NEAR(place->offset, double(expected.offset), 1e-7);
         }
     }
-    EXPECT_GT(inside, 1000U);
-    EXPECT_GT(outside, 1000U);
+    EXPECT_GT(inside, test::sized(1000U, 200U));
+    EXPECT_GT(outside, test::sized(1000U, 200U));
 }
 
 // Whoever asks by a box gets the same as who asks all segments, to the last bit.

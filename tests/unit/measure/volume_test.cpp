@@ -10,7 +10,6 @@
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/style.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
-#include "tests/support/sized.hpp"
 
 namespace scancast::test {
 namespace {

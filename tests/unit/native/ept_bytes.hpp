@@ -5,6 +5,8 @@
 #include <zstd.h>
 
 #include <map>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -29,6 +31,7 @@ class MemoryFolder final : public FolderReader {
         files[name].assign(bytes.begin(), bytes.end());
     }
     Expected<Bytes> read(const std::string& name, std::uint64_t most) const override {
+        const std::lock_guard lock(*mutex_);  // threads read upper voxels beside each other
         asked.insert(name);
         if (const auto other = atHand.find(name); other != atHand.end()) return other->second;
         const auto found = files.find(name);
@@ -38,9 +41,13 @@ class MemoryFolder final : public FolderReader {
         return found->second;
     }
     bool forget(const std::string& name) const override {
+        const std::lock_guard lock(*mutex_);
         atHand.erase(name);
         return isFar;
     }
+
+  private:
+    std::shared_ptr<std::mutex> mutex_ = std::make_shared<std::mutex>();  // folders are copied and moved
 };
 
 /// The importer's code, in this process.

@@ -1,17 +1,18 @@
 #include "renderer/cloud/export/decoded_leaf.hpp"
 
 #include <algorithm>
-#include <glm/common.hpp>
 
 #include "files/bytes.hpp"
 #include "renderer/cloud/exact_columns.hpp"
-#include "renderer/cloud/export/on_grid.hpp"
 #include "renderer/cloud/file/blocks/row_columns.hpp"
 
 namespace scancast {
 
 LeafDecoder::LeafDecoder(std::shared_ptr<const CloudFile> file, const CloudPointsOptions& options)
-    : file_(std::move(file)), region_(options.region), corridor_(options.corridor) {
+    : file_(std::move(file)),
+      places_(file_->facts(), file_.get()),
+      region_(options.region),
+      corridor_(options.corridor) {
     const CloudFacts& facts = file_->facts();
     std::vector<Column> all;
     for (const KeptColumn& kept : facts.columns) {
@@ -20,12 +21,6 @@ LeafDecoder::LeafDecoder(std::shared_ptr<const CloudFile> file, const CloudPoint
     }
     if (facts.exact) positions_ = findColumns(all, exactPositionNames, ColumnType::Float64);
     if (facts.exact) normals_ = findColumns(all, exactNormalNames, ColumnType::Float32);
-    if (!facts.grid || !hasGridPlanes(facts)) return;
-    const auto wanted = gridPlanes();
-    gridPlanes_.emplace();
-    for (std::size_t a = 0; a < 3; ++a)
-        (*gridPlanes_)[a] =
-            std::size_t(std::ranges::find(file_->planes(), wanted[a]) - file_->planes().begin());
 }
 
 Expected<DecodedLeaf> LeafDecoder::decode(const WantedLeaf& wanted, bool wantsRows) const {
@@ -54,42 +49,10 @@ Expected<DecodedLeaf> LeafDecoder::decode(const WantedLeaf& wanted, bool wantsRo
 }
 
 Expected<void> LeafDecoder::placePoints(std::uint32_t index, DecodedLeaf& leaf) const {
-    const Node& node = file_->nodes()[index].node;
-    const CloudFacts& facts = file_->facts();
     leaf.places.resize(leaf.samples.size());
+    // They are at hand: planes would be read once more.
     if (positions_ && !leaf.rows.empty()) return placeByRows(leaf), Expected<void>();
-    if (gridPlanes_ && rounds(node, facts.grid)) return placeByPlanes(index, leaf);
-    if (facts.grid && !rounds(node, facts.grid)) {
-        // On the grid: the very numbers that the scan's reader had.
-        const glm::dvec3 start = (facts.origin + node.boxMin - facts.grid->origin) / facts.grid->step;
-        const glm::dvec3 step = node.step / facts.grid->step;
-        for (std::size_t i = 0; i < leaf.samples.size(); ++i) {
-            const Sample& s = leaf.samples[i];
-            const glm::dvec3 q = glm::round(start + step * glm::dvec3(s.x, s.y, s.z));
-            leaf.places[i] = facts.grid->origin + q * facts.grid->step;
-        }
-        return {};
-    }
-    for (std::size_t i = 0; i < leaf.samples.size(); ++i)
-        leaf.places[i] = facts.origin + position(node, leaf.samples[i]);
-    return {};
-}
-
-Expected<void> LeafDecoder::placeByPlanes(std::uint32_t index, DecodedLeaf& leaf) const {
-    const ScanGrid& grid = *file_->facts().grid;
-    for (int a = 0; a < 3; ++a) {
-        const auto values = file_->plane(index, (*gridPlanes_)[std::size_t(a)]);
-        if (!values) return passOn(values);
-        if (values->size() != leaf.samples.size() * sizeof(std::int32_t))
-            return fail(ErrorCode::Malformed, file_->path().string() +
-                                                  " has no positions beside the samples "
-                                                  "of a node that rounds them; the file is damaged");
-        for (std::size_t i = 0; i < leaf.samples.size(); ++i)
-            leaf.places[i][a] =
-                grid.origin[a] +
-                double(loadLe<std::int32_t>(values->data() + i * sizeof(std::int32_t))) * grid.step[a];
-    }
-    return {};
+    return places_.of(index, file_->nodes()[index].node, leaf.samples, leaf.places);
 }
 
 void LeafDecoder::placeByRows(DecodedLeaf& leaf) const {

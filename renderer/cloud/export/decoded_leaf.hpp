@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "renderer/cloud/export/cloud_points.hpp"
+#include "renderer/cloud/file/exact_places.hpp"
 
 namespace scancast {
 
@@ -37,16 +38,15 @@ class LeafDecoder {
 
   private:
     Expected<void> placePoints(std::uint32_t index, DecodedLeaf& leaf) const;
-    Expected<void> placeByPlanes(std::uint32_t index, DecodedLeaf& leaf) const;
     void placeByRows(DecodedLeaf& leaf) const;
     void keepWanted(std::uint32_t index, DecodedLeaf& leaf) const;
 
     std::shared_ptr<const CloudFile> file_;
+    ExactPlaces places_;
     std::shared_ptr<const RegionTest> region_;
     std::shared_ptr<const Corridor> corridor_;
     std::vector<ColumnType> types_;
     std::optional<std::array<std::size_t, 3>> positions_, normals_;  ///< among the file's columns
-    std::optional<std::array<std::size_t, 3>> gridPlanes_;           ///< among the file's planes
 };
 
 }  // namespace scancast

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
-#include "renderer/cloud/export/on_grid.hpp"
+#include "renderer/cloud/file/exact_places.hpp"
 
 namespace scancast {
 namespace {
@@ -14,7 +14,7 @@ constexpr std::size_t leavesAtOnce = 16;
 /// Where a whole leaf's points are at most: exactly, where samples say positions.
 std::array<glm::dvec3, 2> outerBounds(const CloudFile& file, const Node& node) {
     const CloudFacts& facts = file.facts();
-    if (rounds(node, facts.grid)) return reachOf(file, node);
+    if (roundsPositions(node, facts.grid)) return reachOf(file, node);
     std::array<glm::dvec3, 2> bounds{facts.origin + node.boxMin, facts.origin + node.boxMax};
     for (glm::dvec3& corner : bounds)
         corner = facts.grid->origin +

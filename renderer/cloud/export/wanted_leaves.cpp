@@ -4,7 +4,7 @@
 #include <glm/common.hpp>
 
 #include "renderer/cloud/export/cloud_points.hpp"
-#include "renderer/cloud/export/on_grid.hpp"
+#include "renderer/cloud/file/exact_places.hpp"
 
 namespace scancast {
 namespace {
@@ -19,13 +19,6 @@ Within placeOf(const CloudPointsOptions& options, const std::array<glm::dvec3, 2
 }
 
 }  // namespace
-
-bool rounds(const Node& leaf, const std::optional<ScanGrid>& grid) {
-    if (!grid) return true;
-    for (int a = 0; a < 3; ++a)
-        if (leaf.step[a] > grid->step[a] * sameStep) return true;
-    return false;
-}
 
 std::array<glm::dvec3, 2> reachOf(const CloudFile& file, const Node& node) {
     const glm::dvec3 origin = file.facts().origin;
@@ -64,10 +57,10 @@ RoundedPoints roundedPoints(const CloudFile& file, const CloudPointsOptions& opt
     if (facts.exact) return rounded;
     for (const WantedLeaf& leaf : wantedLeaves(file, options)) {
         const Node& node = file.nodes()[leaf.node].node;
-        if (!rounds(node, facts.grid)) continue;
+        if (!roundsPositions(node, facts.grid)) continue;
         rounded.points += node.sampleCount;
         for (int a = 0; a < 3; ++a)
-            if (!facts.grid || node.step[a] > facts.grid->step[a] * sameStep)
+            if (roundsPositions(node, facts.grid, a))
                 rounded.most[a] = std::max(rounded.most[a], node.step[a] / 2);
     }
     return rounded;

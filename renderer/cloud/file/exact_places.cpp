@@ -30,10 +30,13 @@ std::optional<std::array<std::size_t, 3>> findPlanes(const CloudFile& file,
 
 }  // namespace
 
+bool roundsPositions(const Node& leaf, const std::optional<ScanGrid>& grid, int axis) {
+    return !grid || leaf.step[axis] > grid->step[axis] * sameLatticeStep;
+}
+
 bool roundsPositions(const Node& leaf, const std::optional<ScanGrid>& grid) {
-    if (!grid) return true;
-    for (int a = 0; a < 3; ++a)
-        if (leaf.step[a] > grid->step[a] * sameLatticeStep) return true;
+    for (int axis = 0; axis < 3; ++axis)
+        if (roundsPositions(leaf, grid, axis)) return true;
     return false;
 }
 

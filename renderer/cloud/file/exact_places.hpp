@@ -13,6 +13,8 @@ namespace scancast {
 
 /// Whether this leaf is too wide for 16 bits of the scan's grid, so that its samples round. Without a grid all do.
 bool roundsPositions(const Node& leaf, const std::optional<ScanGrid>& grid);
+/// The same on one axis.
+bool roundsPositions(const Node& leaf, const std::optional<ScanGrid>& grid, int axis);
 
 class ExactPlaces {
   public:

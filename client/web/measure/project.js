@@ -1,41 +1,36 @@
 // The project file: what somebody has done with a scan, as JSON that he can keep, send and open again (docs/project-file.md). It
 // may come from anywhere, so everything is checked, and what is wrong is named; what a later version added is kept. Pure.
 
+import { readNotes, writtenNotes } from '../annotate/notes.js';
+import { readTours, readViews, writtenTours, writtenViews } from '../views/saved.js';
+import { check, isLength, isObject, isPoint, isText, ProjectError } from './checks.js';
 import { mostMeasures } from './measures.js';
 import { isOptionOf, kinds } from './values.js';
+
+export { ProjectError };
 
 export const format = 'scancast-project';
 const version = 1;
 export const mostBytes = 4 << 20;
-const farthest = 1e12;
 const longestName = 120;
 const longestView = 4096;
 const mostLevels = 64; // of lists and objects in each other; what is nested deeper may not be written again
 const shortName = /^[A-Za-z0-9._-]{1,64}$/;
-const ours = ['format', 'version', 'cloud', 'view', 'unit', 'measures'];
-
-/** Why a file is no project, in a sentence. */
-export class ProjectError extends Error {}
+const ours = ['format', 'version', 'cloud', 'view', 'unit', 'measures', 'annotations', 'views', 'tours'];
 
 /** `kept`: what else a file said that was opened, and this page does not know. */
-export function printProject({ cloud, view, unit, measures, kept = {} }) {
+export function printProject({ cloud, view, unit, measures, notes = [], views = [], tours = [], kept = {} }) {
   const written = measures.map(({ name, kind, visible, up, points, step, more, option }) => ({
     name, kind, ...(visible ? {} : { visible }), ...(up === 'z' ? {} : { up }), step, points, ...(option === undefined ? {} : { option }), ...(more ? { more } : {}),
   }));
   const { id, title, revision, crsName, crsUnit, crsEpsg } = cloud;
   const about = Object.fromEntries(Object.entries({ id, title, revision, crsName, crsUnit, crsEpsg }).filter(([, value]) => value));
-  return `${JSON.stringify({ format, version, cloud: about, view, unit, measures: written, ...kept }, undefined, 1)}\n`;
+  const parts = Object.entries({ annotations: writtenNotes(notes), views: writtenViews(views), tours: writtenTours(tours) }).filter(([, list]) => list.length > 0);
+  return `${JSON.stringify({ format, version, cloud: about, view, unit, measures: written, ...Object.fromEntries(parts), ...kept }, undefined, 1)}\n`;
 }
-
-const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
-const isText = (value, longest) => typeof value === 'string' && value.length <= longest;
 
 const isNested = (value, levels) => typeof value === 'object' && value !== null
   && (levels === 0 || Object.values(value).some((one) => isNested(one, levels - 1)));
-
-function check(holds, sentence) {
-  if (!holds) throw new ProjectError(sentence);
-}
 
 /** Short facts about a point; anything else would be shown as what it is not. */
 function moreOf(more, where) {
@@ -51,14 +46,12 @@ function measureOf(one, where) {
   check(isText(name, longestName), `${where}.name is no text of up to ${longestName} letters.`);
   check(typeof visible === 'boolean', `${where}.visible is neither true nor false.`);
   check(['z', 'y', '-y'].includes(up), `${where}.up is none of z, y, -y.`);
-  check(typeof step === 'number' && step >= 0 && step <= farthest, `${where}.step is no length.`);
+  check(isLength(step), `${where}.step is no length.`);
   const { least, most } = kinds[kind];
   check(Array.isArray(points), `${where}.points is no list of points.`);
   check(points.length >= least && points.length <= most,
     `${where}.points has ${points.length}; a measure of the kind ${kind} has ${least === most ? least : `${least} to ${most}`}.`);
-  points.forEach((point, i) => check(
-    Array.isArray(point) && point.length === 3 && point.every((value) => typeof value === 'number' && Math.abs(value) <= farthest),
-    `${where}.points[${i}] is no point: three finite numbers, x, y and z.`));
+  points.forEach((point, i) => check(isPoint(point), `${where}.points[${i}] is no point: three finite numbers, x, y and z.`));
   check(option === undefined || isOptionOf(kind, option), `${where}.option is none that a measure of the kind ${kind} has.`);
   check(kind !== 'cylinder' || option !== undefined, `${where}.option is missing: how near to its point a cylinder's points are.`);
   const facts = moreOf(more, where);
@@ -66,7 +59,7 @@ function measureOf(one, where) {
 }
 
 /**
- * { cloud, view, unit, measures, kept } of a file's text; throws a ProjectError with a sentence for a person.
+ * { cloud, view, unit, measures, notes, views, tours, kept } of a file's text; throws a ProjectError with a sentence for a person.
  * @param {string} text
  */
 export function parseProject(text) {
@@ -90,5 +83,7 @@ export function parseProject(text) {
   check(measures.length <= mostMeasures, `There are ${measures.length} measures in the file; ${mostMeasures} is the most.`);
   const read = measures.map((one, i) => measureOf(one, `measures[${i}]`));
   const kept = Object.fromEntries(Object.entries(file).filter(([key]) => !ours.includes(key)));
-  return { cloud: { id: cloud.id, revision: cloud.revision }, view, unit, measures: read, kept };
+  const [notes, views] = [readNotes(file), readViews(file)];
+  const tours = readTours(file, views);
+  return { cloud: { id: cloud.id, revision: cloud.revision }, view, unit, measures: read, notes, views, tours, kept };
 }

@@ -206,6 +206,41 @@ TEST_F(Program, PathFliesAlongKeyFrames) {
               std::string::npos);
 }
 
+TEST_F(Program, PathFilmsATourOfAProject) {
+    auto script = test::fakeLists();
+    script.session = test::fakeSession;
+    const test::FakeServer fake(script);
+    const auto file = (folder_ / "town.project.json").string();
+    const auto write = [&](const std::string& cloud) {
+        std::ofstream(file) << R"({"format": "scancast-project", "version": 1, "cloud": {"id": ")" + cloud +
+                                   R"("}, "views": [
+            {"name": "a", "view": "eye=0,-9,3&target=0,0,3&method=point"}, {"name": "b", "view": "eye=8,-9,3&target=8,0,3&method=disc"}],
+            "tours": [{"name": "Walk", "seconds": 1, "pause": 0}]})";
+    };
+    write("");
+    const std::string command = "path --quiet --fps 4 " + fake.text() + " --project " + file + " -o ";
+    const auto outcome = run(command + (folder_ / "frames").string() + " --tour Walk --shading phong");
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    double before = -1;
+    for (int i = 0; i <= 4; ++i) {
+        const auto view = parseJson(
+            scancast::test::contentOf(folder_ / "frames" / ("frame-00" + std::to_string(i + 1) + ".jpg")));
+        ASSERT_TRUE(view) << i;
+        const double x = (*view)["camera"]["eye"][0];
+        EXPECT_GT(x, before) << "on its way";
+        before = x;
+        EXPECT_EQ((*view)["method"], i < 4 ? "point" : "disc");
+        EXPECT_EQ((*view)["shading"], "phong");
+    }
+    EXPECT_EQ(before, 8);
+    EXPECT_NE(run(command + "x --tour Flight").output.find("Walk"), std::string::npos);
+    EXPECT_NE(run(command + "x --fov 20").output.find("camera of a tour"), std::string::npos);
+    EXPECT_NE(run("path " + fake.text() + " -o x").output.find("--project"), std::string::npos);
+    write("elsewhere");
+    EXPECT_NE(run(command + "x").output.find("elsewhere"), std::string::npos)
+        << "the project says which cloud";
+}
+
 TEST_F(Program, BenchMeasuresASessionAndKeepsItsFinalStill) {
     auto script = test::fakeLists();
     script.session = test::fakeSession;

@@ -1,0 +1,115 @@
+// The list of notes in their card: titles, texts and links as fields, so that keys and screen readers reach all of it.
+
+import { placeText } from '../measure/units.js';
+import { icon } from '../page/icons.js';
+import { element } from '../page/parameter_fields.js';
+import { annotate as words } from '../page/strings/annotate.js';
+import { linkOf, longestLink, longestText, longestTitle } from './notes.js';
+
+/** @type {(id: string) => any} */
+const find = (id) => document.getElementById(id);
+const touch = matchMedia('(pointer: coarse)');
+
+export class NoteList {
+  #notes;
+  #does;
+
+  /** `does`: select(id or undefined), again(id), zoom(id), remove(id), close(), save(), open(). */
+  constructor(notes, does) {
+    this.#notes = notes;
+    this.#does = does;
+    const on = (id, act) => find(id).addEventListener('click', act);
+    on('close-annotating', () => does.close());
+    on('note-undo', () => notes.undo());
+    on('note-redo', () => notes.redo());
+    on('note-save-project', () => does.save());
+    on('note-open-project', () => does.open());
+    find('note-undo').append(icon('undo'));
+    find('note-redo').append(icon('redo'));
+  }
+
+  /** For screen readers. */
+  say(text) {
+    find('note-said').textContent = text;
+  }
+
+  show({ selected, replaced, cloud }) {
+    const { list } = this.#notes;
+    const moving = this.#notes.find(replaced);
+    find('note-how').textContent = moving ? words.again(moving.name, touch.matches) : [words.how(touch.matches), touch.matches ? '' : words.keys].filter(Boolean).join(' ');
+    find('note-none').hidden = list.length > 0;
+    find('note-list').hidden = list.length === 0;
+    find('note-undo').disabled = !this.#notes.canUndo;
+    find('note-redo').disabled = !this.#notes.canRedo;
+    /** @type {any} */
+    const active = document.activeElement;
+    const focused = active?.closest?.('#note-list') && active.dataset.key;
+    find('note-list').replaceChildren(...list.map((note) => this.#row(note, note.id === selected, cloud)));
+    // What had the focus may be gone; then the next best has it, and never nothing.
+    if (focused && !this.#focus(focused)) (find('note-list').querySelector('button') ?? find('close-annotating')).focus();
+  }
+
+  /** Its title is what one writes next. */
+  edit(id) {
+    if (touch.matches) return; // where fields bring a keyboard that covers what was pointed at
+    this.#focus(`name-${id}`);
+    find('note-list').querySelector(`[data-key="name-${id}"]`)?.select();
+  }
+
+  #focus(key) {
+    const found = find('note-list').querySelector(`[data-key="${CSS.escape(key)}"]`);
+    found?.focus({ preventScroll: false });
+    return Boolean(found);
+  }
+
+  #button(key, properties, act) {
+    const button = element('button', { type: 'button', ...properties });
+    button.dataset.key = key;
+    button.addEventListener('click', act);
+    return button;
+  }
+
+  #row(note, isOpen, cloud) {
+    const { id, name, visible } = note;
+    const head = this.#button(`row-${id}`, { className: 'name' }, () => this.#does.select(isOpen ? undefined : id));
+    head.append(element('span', { textContent: name || '–' }));
+    head.setAttribute('aria-expanded', String(isOpen));
+    const eye = this.#button(`eye-${id}`, { className: 'eye', title: words.showTip }, () => this.#notes.change(id, { visible: !visible }));
+    eye.append(icon(visible ? 'shown' : 'unshown'));
+    eye.setAttribute('aria-label', words.show(name));
+    eye.setAttribute('aria-pressed', String(visible));
+    const row = element('li', { className: visible ? '' : 'unshown' }, element('div', { className: 'head' }, eye, head));
+    if (isOpen) row.append(this.#details(note, cloud));
+    return row;
+  }
+
+  #field(tag, key, label, value, longest, change) {
+    const field = element(tag, { value, maxLength: longest, autocomplete: 'off', ...(tag === 'input' ? { type: 'text' } : { rows: 3 }) });
+    field.dataset.key = key;
+    field.addEventListener('change', () => change(field.value, field));
+    return element('label', { className: 'field-of-note' }, element('span', { textContent: label }), field);
+  }
+
+  #details({ id, name, text, link, point, step }, cloud) {
+    const refusal = element('p', { className: 'note warning', textContent: words.linkRefused, hidden: true });
+    const change = (changes) => this.#notes.change(id, changes);
+    const address = linkOf(link);
+    const follow = address && element('a', { href: address, target: '_blank', rel: 'noopener noreferrer', textContent: words.follow });
+    return element('div', { className: 'details' },
+      this.#field('input', `name-${id}`, words.name, name, longestTitle, (value) => change({ name: value.trim() || name })),
+      this.#field('textarea', `text-${id}`, words.text, text, longestText, (value) => change({ text: value })),
+      this.#field('input', `link-${id}`, words.link, link, longestLink, (value, field) => {
+        const trimmed = value.trim();
+        refusal.hidden = trimmed === '' || linkOf(trimmed) !== undefined;
+        field.setAttribute('aria-invalid', String(!refusal.hidden));
+        if (refusal.hidden) change({ link: trimmed });
+      }),
+      refusal,
+      ...(follow ? [follow] : []),
+      element('p', { className: 'note', textContent: [placeText(point, step), cloud?.crsName ?? ''].filter(Boolean).join(' · ') }),
+      element('div', { className: 'buttons' },
+        this.#button(`zoom-${id}`, { textContent: words.zoom }, () => this.#does.zoom(id)),
+        this.#button(`again-${id}`, { textContent: words.move, title: words.moveTip }, () => this.#does.again(id)),
+        this.#button(`remove-${id}`, { textContent: words.remove }, () => this.#does.remove(id))));
+  }
+}

@@ -5,6 +5,7 @@ set(SCANCAST_WEB_FILES
     main.js
     scancast-view.js
     clip/box.js
+    clip/card.js
     clip/clip_marks.js
     clip/clipping.js
     connection/access.js
@@ -14,6 +15,8 @@ set(SCANCAST_WEB_FILES
     connection/session.js
     connection/stores.js
     measure/answers.js
+    measure/beginning.js
+    measure/card.js
     measure/coordinates.js
     measure/draft.js
     measure/export.js
@@ -27,6 +30,7 @@ set(SCANCAST_WEB_FILES
     measure/panel.js
     measure/places.js
     measure/project.js
+    measure/reading.js
     measure/shelf.js
     measure/units.js
     measure/values.js
@@ -40,10 +44,12 @@ set(SCANCAST_WEB_FILES
     page/hud.js
     page/icons.js
     page/layout.js
+    page/lazy_tools.js
     page/loading_note.js
     page/method_choice.js
     page/number_field.js
     page/overlays.js
+    page/page_tools.js
     page/parameter_fields.js
     page/photos.js
     page/plan/class_list.js

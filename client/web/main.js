@@ -1,8 +1,6 @@
 // Puts the page together: the viewer, and around it panel, title, buttons and keys.
 
 import { takeGuestToken } from './connection/guest.js';
-import { Clipping, knowsClips } from './clip/clipping.js';
-import { Measuring } from './measure/measuring.js';
 import { Choices } from './page/choices.js';
 import { ChosenMethod } from './page/chosen_method.js';
 import { Controls } from './page/controls.js';
@@ -15,6 +13,7 @@ import { LoadingNote } from './page/loading_note.js';
 import { ClassList } from './page/plan/class_list.js';
 import { OnPicture } from './page/plan/on_picture.js';
 import { Overlays } from './page/overlays.js';
+import { PageTools } from './page/page_tools.js';
 import { Photos } from './page/photos.js';
 import { asksToPresent, Presentation } from './page/presentation.js';
 import { showScan } from './page/scan_facts.js';
@@ -45,8 +44,7 @@ function freeSize({ width, height }) {
 }
 
 const presentation = new Presentation((on) => {
-  if (on) clipping.activate(false);
-  if (on) measuring.activate(false); // what has been measured stays in the picture
+  if (on) tools.close(); // what has been measured stays in the picture
   address.changed();
 });
 const layout = new Layout();
@@ -69,17 +67,7 @@ const controls = new Controls({
   reset: () => viewer.resetStyle(),
   gallery: (open) => galleries.show('methods', open),
 });
-const measuring = new Measuring(viewer, {
-  overlays, hash: () => viewHash() ?? '', changed: () => address.changed(),
-  active: (isActive) => {
-    find('tool-measure').setAttribute('aria-pressed', String(isActive));
-    if (isActive) clipping.activate(false); // there is room for one card
-  },
-});
-const clipping = new Clipping(viewer, (isActive) => {
-  find('tool-clip')?.setAttribute('aria-pressed', String(isActive));
-  if (isActive) measuring.activate(false);
-});
+const tools = new PageTools(viewer, rail, { overlays, hash: () => viewHash() ?? '', changed: () => address.changed() });
 const galleries = new Galleries(viewer, () => controls);
 const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
 const onPicture = new OnPicture(viewer);
@@ -120,7 +108,7 @@ on('sought', ({ cloud }) => {
 on('cloud', (cloud) => {
   sought = undefined;
   showScan(cloud);
-  offerClipping(cloud);
+  tools.show(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
   classes.show(viewer.view, cloud);
@@ -176,7 +164,7 @@ let known = location.hash; // what the address is known to say
 function hashNow() {
   const hash = viewHash();
   if (!hash) return hash;
-  const whole = sought ? hash : `${hash}${measuring.hashPart(hash.length)}`;
+  const whole = sought ? hash : `${hash}${tools.hashPart(hash.length)}`;
   return presentation.isOn ? `${whole}&present` : whole;
 }
 
@@ -215,7 +203,7 @@ function addressChanged() {
   known = location.hash;
   address.arrived();
   const link = parseHash(known);
-  if (!history.state) measuring.arrived(known); // an address from elsewhere, not one that was left here
+  if (!history.state) tools.arrived(known); // an address from elsewhere, not one that was left here
   if (link) viewer.restore(link);
 }
 
@@ -265,26 +253,17 @@ async function saveThisPicture(button) {
   button.disabled = false;
 }
 
-const { tools } = strings;
-rail.register({ id: 'orbit', mode: 'navigate', label: tools.orbit, tip: tools.orbitTip, icon: 'orbit', activate: () => setLooking(false) });
+const { tools: words } = strings;
+rail.register({ id: 'orbit', mode: 'navigate', label: words.orbit, tip: words.orbitTip, icon: 'orbit', activate: () => setLooking(false) });
 rail.register({
-  id: 'look', mode: 'navigate', label: tools.look, tip: tools.lookTip, icon: 'look', elementId: 'look-around', activate: () => setLooking(true),
+  id: 'look', mode: 'navigate', label: words.look, tip: words.lookTip, icon: 'look', elementId: 'look-around', activate: () => setLooking(true),
 });
 rail.register({
-  id: 'measure', label: strings.measure.tool, tip: strings.measure.toolTip, icon: 'measure', key: 'm', activate: () => measuring.activate(),
-}).setAttribute('aria-pressed', 'false');
-rail.register({
-  id: 'views', label: tools.views, tip: tools.viewsTip, icon: 'views', key: 'v', activate: () => find('views-gallery').togglePopover(),
+  id: 'views', label: words.views, tip: words.viewsTip, icon: 'views', key: 'v', activate: () => find('views-gallery').togglePopover(),
 });
-rail.register({ id: 'picture', label: tools.picture, tip: tools.pictureTip, icon: 'picture', elementId: 'save-picture', activate: saveThisPicture });
-rail.register({ id: 'present', label: tools.present, tip: tools.presentTip, icon: 'present', key: 'h', activate: () => presentation.toggle() });
+rail.register({ id: 'picture', label: words.picture, tip: words.pictureTip, icon: 'picture', elementId: 'save-picture', activate: saveThisPicture });
+rail.register({ id: 'present', label: words.present, tip: words.presentTip, icon: 'present', key: 'h', activate: () => presentation.toggle() });
 
-/** Only where the server has the word. */
-function offerClipping(cloud) {
-  if (!knowsClips(cloud) || find('tool-clip')) return;
-  rail.register({ id: 'clip', label: strings.clip.tool, tip: strings.clip.toolTip, icon: 'clip', key: 'x', activate: () => clipping.activate() })
-    .setAttribute('aria-pressed', 'false');
-}
 setLooking(false);
 
 const theme = new Choices(find('theme'), chooseTheme);
@@ -319,7 +298,7 @@ addEventListener('keydown', (event) => {
   const tool = rail.withKey(key);
   if ((!Object.hasOwn(shortcuts, key) && !tool) || !(isForView(event) || closesHelp)) return;
   event.preventDefault(); // a menu that has the focus would go to its next entry of that letter
-  if (presentation.isOn && ['p', 'v', 'm', 'x', 'n'].includes(key)) return; // what they open is not there
+  if (presentation.isOn && (['p', 'v', 'n'].includes(key) || tools.hasKey(key))) return; // what they open is not there
   if (tool) rail.activate(tool);
   else shortcuts[key](event);
 });
@@ -335,7 +314,7 @@ find('copy-link').addEventListener('click', () => {
   copyLink(overlays);
 });
 const link = parseHash(location.hash);
-measuring.arrived(location.hash);
+tools.arrived(location.hash);
 if (asksToPresent(location.hash)) presentation.enter({ fullScreen: false });
 // Who has touched nothing before he reloads sees the cloud as the server would show it now, in a window of another size, too.
 viewer.start(history.state?.untouched ? { cloud: link?.cloud } : link);

@@ -122,11 +122,33 @@ describe('cutting', { timeout: 290_000 }, () => {
         .flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.target.join(' ')} ${node.failureSummary}`)));
       assert.deepEqual(findings, []);
       await page.click('#tool-measure');
+      await page.waitForSelector('#measuring', { state: 'visible' }); // it is loaded for this
       assert.deepEqual([await page.isVisible('#clipping'), await page.isVisible('#measuring')], [false, true]);
       await page.click('#tool-clip');
       assert.deepEqual([await page.isVisible('#clipping'), await page.isVisible('#measuring')], [true, false]);
     });
   }
+
+  it('comes when it is first used; where it cannot, that is said, and the next press tries again', async () => {
+    await closePage(page);
+    page = await openPage(browser, `http://127.0.0.1:${server.port}/`);
+    const asked = [];
+    page.on('request', (request) => asked.push(new URL(request.url()).pathname));
+    await waitUntilSharp(page);
+    const toolsParts = () => asked.filter((path) => /\/(clip|measure)\/(clipping|measuring|card)\.js|(clip|measure|card)\.css/.test(path));
+    assert.deepEqual(toolsParts(), []);
+    await page.route('**/styles/clip.css', (route) => route.abort());
+    await page.click('#tool-clip');
+    await page.waitForFunction(() => /could not be loaded/.test(document.getElementById('toast-title').textContent));
+    assert.equal(await page.locator('#clipping').count(), 0);
+    assert.equal(await page.getAttribute('#tool-clip', 'aria-pressed'), 'false');
+    await page.unroute('**/styles/clip.css');
+    await page.click('#tool-clip');
+    await page.waitForSelector('#clipping', { state: 'visible' });
+    assert.equal(await page.getAttribute('#tool-clip', 'aria-pressed'), 'true');
+    assert.ok(toolsParts().length >= 3);
+    page.complaints = page.complaints.filter((text) => !/ERR_FAILED|could not be loaded/.test(text)); // which this test has made
+  });
 
   it('has no button where the server does not cut', async () => {
     await closePage(page);

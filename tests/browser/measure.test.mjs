@@ -76,9 +76,15 @@ describe('measuring', { timeout: 290_000 }, () => {
   };
   const chooseKind = (page, kind) => page.check(`#measure-kinds input[value=${kind}]`);
 
+  /** The tool is loaded when it is first used. */
+  async function startMeasuring(page) {
+    await page.keyboard.press('m');
+    await page.waitForSelector('#measuring', { state: 'visible' });
+  }
+
   /** The distance of 8 between two points of the ground. */
   async function measureEight(page) {
-    await page.keyboard.press('m');
+    await startMeasuring(page);
     await click(page, at(6, 6));
     await click(page, at(14, 6));
     await page.waitForFunction(() => document.querySelectorAll('#marks .drawn .point:not(.pending)').length >= 2);
@@ -122,7 +128,7 @@ describe('measuring', { timeout: 290_000 }, () => {
   }));
 
   it('a volume over a base is the server\'s, of the points that are there', () => withPage(async (page) => {
-    await page.keyboard.press('m');
+    await startMeasuring(page);
     await chooseKind(page, 'volume');
     for (const point of [at(8, 2), at(16, 2), at(16, 9), at(8, 9)]) {
       const count = page.picks.length;
@@ -248,7 +254,7 @@ describe('measuring', { timeout: 290_000 }, () => {
 
   it('with keys alone: aim, place, take back, end, name, delete', () => withPage(async (page) => {
     await page.focus('#picture');
-    await page.keyboard.press('m');
+    await startMeasuring(page);
     const placed = (count) => page.waitForFunction((wanted) => document.querySelectorAll('#marks .drawn .point:not(.pending)').length === wanted, count);
     const said = (count) => page.waitForFunction((start) => document.getElementById('measure-said').textContent.startsWith(start), `Point ${count}: `);
     /** Some steps along an axis, by short presses; how far one leads depends on the machine, and far is taken back: the court is to stay in the middle. */
@@ -306,7 +312,7 @@ describe('measuring', { timeout: 290_000 }, () => {
     }, { address });
     await page.reload();
     await waitUntilSharp(page);
-    await page.keyboard.press('m');
+    await startMeasuring(page);
     assert.equal((await rows(page)).length, 1, 'once, though address and browser have it');
     // Files.
     await page.click('#measure-files summary');

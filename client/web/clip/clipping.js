@@ -2,20 +2,18 @@
 // the address, undo and links hold it, and the server does it; here is only what a hand and a keyboard need.
 
 import { element } from '../page/parameter_fields.js';
-import { strings } from '../page/strings.js';
+import { putCard } from '../page/lazy_tools.js';
+import { clip as words } from '../page/strings/clip.js';
 import { depthOf, eyeOf, heightAtTarget, pointUnderCursor, radiusOf } from '../view/camera.js';
 import { subtract } from '../view/vectors.js';
 import { Places } from '../measure/places.js';
 import { alongNormal, mostShapes, onLevel, rounded, turnedTo, withFaceMoved, withPlaneMoved } from './box.js';
+import { card } from './card.js';
 import { ClipMarks } from './clip_marks.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
-const words = strings.clip;
 const axisNames = ['X', 'Y', 'Z'];
-
-/** Whether a server cuts by shapes: older ones do not have that word. */
-export const knowsClips = (cloud) => Object.hasOwn(cloud?.view ?? {}, 'clips');
 
 export class Clipping {
   #viewer;
@@ -29,6 +27,7 @@ export class Clipping {
   constructor(viewer, active) {
     this.#viewer = viewer;
     this.#active = active;
+    putCard(card, words);
     const root = find('clips');
     this.#marks = new ClipMarks(root, viewer);
     viewer.addEventListener('view', ({ detail }) => detail.by !== 'hand' && this.#show());
@@ -51,6 +50,8 @@ export class Clipping {
   get #shapes() {
     return this.#viewer.view.clips ?? [];
   }
+
+  get isActive() { return this.#isActive; }
 
   activate(isActive = !this.#isActive) {
     if (isActive === this.#isActive) return;

@@ -4,7 +4,7 @@
 import { strings } from '../page/strings.js';
 import { exactText, placeText, unitOf } from './units.js';
 
-const words = strings.measure.coordinates;
+const words = strings.coordinates;
 const heldPx = 8; // as long as the cursor stays there, what was clicked is shown
 const longestName = 60;
 

@@ -1,5 +1,6 @@
 // A measure that is being made: points that were clicked, some of which the server is still looking for. Plain logic.
 
+import { stepOf } from './hand.js';
 import { kinds } from './values.js';
 
 export class Draft {
@@ -62,9 +63,6 @@ export class Draft {
     };
   }
 }
-
-/** Of a picked point, the step of its coordinates' grid that is the coarsest. */
-export const stepOf = ({ precision }) => Math.max(0, ...(Array.isArray(precision) ? precision : [0]).filter(Number.isFinite));
 
 /** What the scan says of a picked point itself, and not of the picture it was picked in. */
 export const moreOf = ({ position, precision, depth, distance, crs, attributes, ...more }) => ({ ...more, ...attributes });

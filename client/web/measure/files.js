@@ -21,20 +21,11 @@ export async function readProject(file) {
   return parseProject(text);
 }
 
-const hasFiles = (event) => [...(event.dataTransfer?.types ?? [])].includes('Files');
-
-/** `use(file)` hears of what is chosen with `button` or dropped anywhere. */
+/** `use(file)` hears of what is chosen with `button`. */
 export function acceptFiles(button, input, use) {
   button.addEventListener('click', () => input.click());
   input.addEventListener('change', () => {
     if (input.files[0]) use(input.files[0]);
     input.value = ''; // so that the same one can be chosen again
-  });
-  addEventListener('dragover', (event) => hasFiles(event) && event.preventDefault());
-  addEventListener('drop', (event) => {
-    if (!hasFiles(event)) return;
-    event.preventDefault(); // the browser would leave the page for it
-    const [file] = event.dataTransfer.files;
-    if (file) use(file);
   });
 }

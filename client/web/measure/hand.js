@@ -8,9 +8,12 @@ const clickMs = 700;
 const doubleMs = 350;
 const doublePx = 12;
 
+/** Of a picked point, the step of its coordinates' grid that is the coarsest. */
+export const stepOf = ({ precision }) => Math.max(0, ...(Array.isArray(precision) ? precision : [0]).filter(Number.isFinite));
+
 export class Hand {
   #canvas;
-  #root;
+  #roots = /** @type {any[]} */ ([]);
   #does;
   #down; // { id, x, y, time, kind } of the one that may become a click
   #last; // { x, y, time } of the last click
@@ -25,7 +28,6 @@ export class Hand {
    */
   constructor(canvas, root, does) {
     this.#canvas = canvas;
-    this.#root = root;
     this.#does = does;
     canvas.addEventListener('pointerdown', (event) => this.#pressed(event));
     canvas.addEventListener('pointermove', (event) => this.#moved(event));
@@ -34,16 +36,22 @@ export class Hand {
     canvas.addEventListener('pointercancel', () => { this.#down = undefined; });
     // Before the picture's own, which flies there.
     addEventListener('dblclick', (event) => {
-      if (this.#does.isActive && (event.target === canvas || root.contains(event.target))) event.stopPropagation();
+      if (this.#does.isActive && (event.target === canvas || this.#roots.some((one) => one.contains(event.target)))) event.stopPropagation();
     }, { capture: true });
     addEventListener('keydown', (event) => this.#key(event), { capture: true });
+    this.watch(root);
+  }
+
+  /** One more element over the picture that has such handles. */
+  watch(root) {
+    this.#roots.push(root);
     root.addEventListener('pointerdown', (event) => this.#take(event));
     root.addEventListener('pointermove', (event) => this.#drag(event));
     root.addEventListener('pointerup', (event) => this.#drop(event));
     root.addEventListener('pointercancel', () => this.#give());
     root.addEventListener('wheel', (event) => {
       event.preventDefault();
-      canvas.dispatchEvent(new WheelEvent(event.type, event));
+      this.#canvas.dispatchEvent(new WheelEvent(event.type, event));
     }, { passive: false });
   }
 
@@ -98,7 +106,7 @@ export class Hand {
     const { measure, index } = node.dataset;
     const isHandle = index !== undefined;
     if (!Number.isFinite(Number(measure))) return;
-    this.#root.setPointerCapture(event.pointerId);
+    event.currentTarget.setPointerCapture(event.pointerId);
     this.#dragged = {
       isHandle, id: Number(measure), index: isHandle ? Number(index) : undefined, isNew: node.classList.contains('middle'), start: this.#cursorOf(event), moved: false,
     };

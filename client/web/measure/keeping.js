@@ -1,7 +1,7 @@
 // Where measures are kept, and whose they are: on this device for each scan, in the address, in project files, in exports. Everything
 // comes to the list as a whole or not at all, and whatever takes the place of what was there can be taken back.
 
-import { strings } from '../page/strings.js';
+import { measure as words } from '../page/strings/measure.js';
 import { parseHash } from '../view/view_hash.js';
 import { csvOf, dxfOf, geoJsonOf, isWgs84 } from './export.js';
 import { acceptFiles, download, readProject } from './files.js';
@@ -13,7 +13,6 @@ import { unitOf } from './units.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
-const words = strings.measure;
 const { messages } = words;
 
 export class Keeping {
@@ -104,10 +103,11 @@ export class Keeping {
     on('export-dxf', () => save('dxf', 'image/vnd.dxf', () => dxfOf(this.#measures.list, this.#cloud, words.kinds, unitOf(this.#cloud.crsUnit, this.#page.unit()))));
     on('export-geojson', () => save('geojson', 'application/geo+json', () => geoJsonOf(this.#measures.list)));
     on('save-project', () => save('project.json', 'application/json', () => this.#project(this.#page.hash().replace(/^#/, ''))));
-    acceptFiles(find('open-project'), find('project-file'), (file) => this.#open(file));
+    acceptFiles(find('open-project'), find('project-file'), (file) => this.open(file));
   }
 
-  async #open(file) {
+  /** A project file, chosen or dropped. */
+  async open(file) {
     const { overlays } = this.#page;
     let project;
     try {

@@ -4,6 +4,7 @@
 // whole numbers to base 36 between dots: coordinates in units of the last digit, the first point's, then differences from the point before.
 // Behind `!` how the server is to compute it, behind `*` its name, where it has one of its own. Whole numbers of that size are exact, and so are the coordinates.
 
+import { linkWord as word, measuresIn } from './beginning.js';
 import { bases, isOptionOf, kinds } from './values.js';
 
 const letters = { point: 'p', distance: 'd', horizontal: 'w', height: 'h', angle: 'a', area: 'f', circle: 'c', volume: 'v', cylinder: 't' };
@@ -12,7 +13,6 @@ const ups = { z: '', y: 'y', '-y': 'n' };
 const mostDigits = 9;
 const longest = 1500;
 const longestName = 120;
-const word = 'measures';
 
 /** Digits behind the point that all of these numbers have; undefined where they are too many to be whole numbers. */
 function decimalsOf(numbers) {
@@ -91,7 +91,7 @@ function measureOf(text) {
 
 /** The measures that an address's hash names; what is none is left out. */
 export function parseMeasures(hash) {
-  const part = String(hash ?? '').replace(/^#/, '').split('&').find((one) => one.startsWith(`${word}=`));
+  const part = measuresIn(hash);
   if (!part || part.length > 4096) return [];
   try {
     return decodeURIComponent(part.slice(word.length + 1)).split('~').map(measureOf).filter(Boolean);

@@ -1,14 +1,17 @@
 // Measuring, put together: the hand on the picture, what is drawn over it, the card beside it, and where all that is kept (keeping.js).
-// main.js makes one, and gives it the viewer; a page without it has no trace of measuring, as scancast-view.js has none.
+// It comes when it is first used, or when an address, a file or this device has measures to show (page/page_tools.js).
 
 import { deviceStore } from '../connection/stores.js';
+import { putCard } from '../page/lazy_tools.js';
 import { strings } from '../page/strings.js';
+import { measure as words } from '../page/strings/measure.js';
 import { fit, radiusOf } from '../view/camera.js';
 import { usualUpAxis } from '../view/usual.js';
 import { Answers } from './answers.js';
-import { axesText, Coordinates } from './coordinates.js';
-import { Draft, moreOf, stepOf } from './draft.js';
-import { Hand } from './hand.js';
+import { card } from './card.js';
+import { axesText } from './coordinates.js';
+import { Draft, moreOf } from './draft.js';
+import { stepOf } from './hand.js';
 import { Keeping } from './keeping.js';
 import { Marks } from './marks.js';
 import { Measures, mostMeasures } from './measures.js';
@@ -18,9 +21,7 @@ import { boundsOf, valuesOf } from './values.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
-const words = strings.measure;
 const unitKey = 'scancast.unit';
-const clickMs = 320; // a second click makes it a double one, which flies there
 
 export class Measuring {
   #viewer;
@@ -28,8 +29,8 @@ export class Measuring {
   #measures = new Measures();
   #marks;
   #panel;
-  #hand;
-  #coordinates;
+  #reading;
+  #hand; // what the hand does while it is measuring's
   #keeping;
   #isActive = false;
   #kind = 'distance';
@@ -39,30 +40,27 @@ export class Measuring {
   #selected; // { id, index } of the measure that is open, and of a point of it
   #replaced; // { id, index } of a point that the next click moves
   #moved; // { id, points } while a point is being dragged
-  #click;
 
   /**
-   * `page`: { overlays (messages), hash() (the view as an address says it), changed() (hears that the address has something new to say),
-   * active(isActive) }
+   * `page`: { overlays (messages), reading (whose hand it takes), hash() (the view as an address says it), changed() (hears that the address has
+   * something new to say), active(isActive) }
    */
   constructor(viewer, page) {
     this.#viewer = viewer;
     this.#page = page;
-    const canvas = find('picture');
+    this.#reading = page.reading;
+    putCard(card, words);
     this.#marks = new Marks(find('marks'), viewer);
-    this.#coordinates = new Coordinates(find('coordinates'), viewer);
-    const measuring = this;
-    this.#hand = new Hand(canvas, find('marks'), {
-      get isActive() { return measuring.#isActive; },
+    this.#hand = {
       click: (cursor) => this.#clicked(cursor),
       finish: () => this.#finish(),
-      hover: (cursor) => this.#hover(cursor),
+      hover: (surface) => this.#hover(surface),
       drag: (dragged) => this.#drag(dragged),
       drop: (dragged) => this.#drop(dragged),
       let: () => this.#let(),
       select: (id, index) => this.#touched(id, index),
       key: (name) => this.#key(name),
-    });
+    };
     this.#panel = new Panel({
       kind: (kind) => this.#setKind(kind), unit: (unit) => this.#setUnit(unit), finish: () => this.#finish(), takeBack: () => this.#takeBack(),
       cancel: () => this.#cancel(), undo: () => this.#measures.undo(), redo: () => this.#measures.redo(), select: (id) => this.#select(id),
@@ -76,6 +74,7 @@ export class Measuring {
     this.#measures.addEventListener('change', () => this.#changed());
     new Answers(viewer, this.#measures);
     viewer.addEventListener('cloud', ({ detail }) => this.#cloudShown(detail));
+    if (viewer.cloud) this.#cloudShown(viewer.cloud);
   }
 
   get isActive() { return this.#isActive; }
@@ -84,6 +83,8 @@ export class Measuring {
     if (isActive === this.#isActive) return;
     if (!isActive) this.#cancel();
     this.#isActive = isActive;
+    if (isActive) this.#reading.take(this.#hand);
+    else this.#reading.give(this.#hand);
     find('measuring').hidden = !isActive;
     document.body.classList.toggle('measuring', isActive);
     this.#page.active(isActive);
@@ -116,6 +117,11 @@ export class Measuring {
   /** An address that somebody has been given: its measures come to those that are here. */
   arrived(hash) {
     this.#keeping.arrived(hash);
+  }
+
+  /** A project file that was dropped onto the page. */
+  open(file) {
+    return this.#keeping.open(file);
   }
 
   /** '' or '&measures=…', for an address that has that many characters already. */
@@ -153,10 +159,6 @@ export class Measuring {
   }
 
   #clicked(cursor) {
-    if (!this.#isActive) {
-      this.#readSoon(cursor);
-      return;
-    }
     if (this.#replaced) {
       const { id, index } = this.#replaced;
       this.#replaced = undefined;
@@ -184,7 +186,7 @@ export class Measuring {
     if (draft !== this.#draft || !draft.places.includes(place)) return; // given up meanwhile
     draft.settle(place, found);
     if (found) {
-      this.#coordinates.exact(found.position, stepOf(found), cursor);
+      this.#reading.coordinates.exact(found.position, stepOf(found), cursor);
       this.#panel.say(words.said.point(draft.places.indexOf(place) + 1, axesText(found.position, stepOf(found))));
     }
     this.#settled();
@@ -241,7 +243,6 @@ export class Measuring {
   }
 
   #finish() {
-    clearTimeout(this.#click);
     const draft = this.#draft;
     if (!draft) return;
     if (draft.lacks > 0) {
@@ -301,7 +302,7 @@ export class Measuring {
     const points = measure.points.toSpliced(index, isNew ? 0 : 1, found.position);
     this.#moved = undefined;
     this.#measures.change(id, { points, step: Math.max(measure.points.length > 1 ? measure.step : 0, step), ...(measure.kind === 'point' ? { more: moreOf(found) } : {}) });
-    this.#coordinates.exact(found.position, step, cursor);
+    this.#reading.coordinates.exact(found.position, step, cursor);
     this.#panel.say(words.said.point(index + 1, axesText(found.position, step)));
   }
 
@@ -375,7 +376,7 @@ export class Measuring {
     const draft = this.#draft;
     if (!draft || draft.points.length === 0) return undefined;
     const placed = draft.places.filter(({ at }) => at);
-    const under = draft.takesMore && this.#hand?.cursor ? this.#viewer.surfaceAt(this.#hand.cursor)?.point : undefined;
+    const under = draft.takesMore && this.#reading.cursor ? this.#viewer.surfaceAt(this.#reading.cursor)?.point : undefined;
     const points = [...placed.map(({ at }) => at), ...(under ? [under] : [])];
     const measure = { id: 'draft', kind: draft.kind, up: draft.up, visible: true, points, step: 0.005 };
     const text = this.#textOf(measure);
@@ -386,22 +387,9 @@ export class Measuring {
     if (this.#isActive) this.#panel.showList(this.#measures, this.#selected?.id, this.#shownUnit);
   }
 
-  #hover(cursor) {
-    const surface = cursor && this.#viewer.surfaceAt(cursor);
-    this.#coordinates.about(surface, cursor);
-    if (!this.#isActive) return;
+  #hover(surface) {
     this.#marks.point(surface?.point);
     if (this.#draft) this.#show();
-  }
-
-  /** Of a click that is no double-click: the exact coordinates. */
-  #readSoon(cursor) {
-    clearTimeout(this.#click);
-    this.#click = setTimeout(async () => {
-      const found = await this.#viewer.pickAt(cursor).catch(() => undefined);
-      if (!found || this.#isActive) return;
-      this.#coordinates.exact(found.position, stepOf(found), cursor);
-    }, clickMs);
   }
 
   // ---- keys

@@ -4,14 +4,13 @@
 import { Choices } from '../page/choices.js';
 import { icon } from '../page/icons.js';
 import { element } from '../page/parameter_fields.js';
-import { strings } from '../page/strings.js';
+import { measure as words } from '../page/strings/measure.js';
 import { stepText } from './coordinates.js';
 import { heightFactor, measuresLengths, placeText, unitOf, unitsFor, valueText } from './units.js';
 import { bases, crossesItself, kinds, valuesOf } from './values.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
-const words = strings.measure;
 const longestName = 120;
 const touch = matchMedia('(pointer: coarse)');
 

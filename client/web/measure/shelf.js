@@ -1,20 +1,11 @@
 // What the browser keeps of a scan between visits: its project, one for each cloud and state of it (`revision`).
 
 import { deviceStore } from '../connection/stores.js';
+import { indexKey, keptKeys, keyBegin } from './beginning.js';
 import { parseProject } from './project.js';
 
 const mostKept = 40; // projects on one device; the oldest go
-const indexKey = 'scancast.projects';
-const keyOf = ({ id, revision }) => `scancast.project.${id}@${revision ?? ''}`;
-
-function known() {
-  try {
-    const list = JSON.parse(deviceStore.get(indexKey) ?? '[]');
-    return Array.isArray(list) ? list.filter((key) => typeof key === 'string') : [];
-  } catch {
-    return [];
-  }
-}
+const keyOf = (cloud) => `${keyBegin(cloud)}${cloud.revision ?? ''}`;
 
 function read(key) {
   const text = deviceStore.get(key);
@@ -30,14 +21,14 @@ function read(key) {
 export function recall(cloud) {
   const project = read(keyOf(cloud));
   if (project) return { project, isOlder: false };
-  const earlier = known().findLast((key) => key.startsWith(`scancast.project.${cloud.id}@`) && read(key));
+  const earlier = keptKeys().findLast((key) => key.startsWith(keyBegin(cloud)) && read(key));
   return earlier && { project: read(earlier), isOlder: true };
 }
 
 /** `text` as printProject() makes it; an empty one is forgotten. */
 export function keep(cloud, text) {
   const key = keyOf(cloud);
-  const others = known().filter((one) => one !== key);
+  const others = keptKeys().filter((one) => one !== key);
   if (text) {
     others.push(key);
     deviceStore.set(key, text);

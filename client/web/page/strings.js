@@ -1,11 +1,10 @@
 // Every word that the page itself says, in one place, so that they can be read aloud one after the other, and translated. Words
 // for what the server names (methods, attributes, stages) come from the server; here is only what a person calls them.
 //
+// What a tool says that is loaded when it is first used stands in strings/, and comes with it.
+//
 // index.html holds no words but its title: an element with data-text="panel.title" gets that string as its text; data-label,
 // data-tip and data-hint are its aria-label, title and placeholder.
-
-import { clip } from './strings/clip.js';
-import { measure } from './strings/measure.js';
 
 /** 1234567 → "1.2 million". Pure. */
 export function amount(value) {
@@ -49,12 +48,18 @@ export const strings = {
     orbitTip: 'Orbit: drag to turn the scan (L switches)',
     look: 'Look',
     lookTip: 'Look around: drag to turn your head (L switches)',
+    measure: 'Measure',
+    measureTip: 'Measure: distances, heights, angles, areas, circles (M)',
+    clip: 'Cut',
+    clipTip: 'Cut the scan by boxes and half-spaces (X)',
     views: 'Views',
     viewsTip: 'Suggested views of this scan (V)',
     picture: 'Picture',
     pictureTip: 'Save this view as a picture, in full quality',
     present: 'Present',
     presentTip: 'Presentation mode: the picture and nothing else (H)',
+    notLoaded: 'This tool could not be loaded',
+    notLoadedDetail: 'Check the connection, and press it again. If the server has been updated meanwhile, reload the page.',
   },
 
   views: {
@@ -343,8 +348,11 @@ export const strings = {
     passes: ['Collision off', 'You pass through surfaces. Press C to switch collision back on.'],
   },
 
-  measure,
-  clip,
+  /** Where the cursor is, in the scan's own coordinates. */
+  coordinates: {
+    about: (place) => `≈ ${place}`,
+    exact: (place, step) => `${place} · exact to ${step}`,
+  },
 
   /** What the methods' parameters are called; those that are not here are called what the server calls them. */
   parameters: {
@@ -356,7 +364,7 @@ export const strings = {
 };
 
 /** 'panel.title' → what is said there; undefined where there is nothing. Pure. */
-export const stringAt = (path) => path.split('.').reduce((at, key) => (at && Object.hasOwn(at, key) ? at[key] : undefined), strings);
+export const stringAt = (path, words = strings) => path.split('.').reduce((at, key) => (at && Object.hasOwn(at, key) ? at[key] : undefined), /** @type {any} */ (words));
 
 /** @type {[string, (node: any, words: string) => void][]} */
 const places = [
@@ -366,9 +374,9 @@ const places = [
   ['hint', (node, words) => { node.placeholder = words; }],
 ];
 
-/** Puts the strings into the elements under `root` that name them. */
-export function fillStrings(root) {
+/** Puts the strings into the elements under `root` that name them: the page's, or a tool's own. */
+export function fillStrings(root, words = /** @type {any} */ (strings)) {
   for (const [place, put] of places) {
-    for (const node of root.querySelectorAll(`[data-${place}]`)) put(node, stringAt(node.dataset[place]) ?? '');
+    for (const node of root.querySelectorAll(`[data-${place}]`)) put(node, stringAt(node.dataset[place], words) ?? '');
   }
 }

@@ -2,9 +2,9 @@
 // later - measuring, clipping, a profile, annotations - appears at the place that is kept for it; the others do not change
 // their order.
 //
-//   rail.register({ id: 'measure', label: 'Measure', tip: 'Measure distances (M)', icon: 'measure', key: 'm', activate() {} })
+//   rail.register({ id: 'views', label: 'Views', tip: 'Suggested views (V)', icon: 'views', key: 'v', activate() {} })
 //
-// Tools of one `mode` exclude each other, as radio buttons do: orbit and look around, say. The others act when they are pressed.
+// Tools that are more than a button are registered by page_tools.js, and loaded when they are first used. Tools of one `mode` exclude each other, as radio buttons do: orbit and look around, say. The others act when they are pressed.
 
 import { icon } from './icons.js';
 

@@ -5,7 +5,6 @@ import { describe, it } from 'node:test';
 
 import { alongNormal, axesOf, edgesOf, facesOf, onLevel, outlineOf, placeIn, rounded, turnedTo, withFaceMoved, withPlaneMoved } from '../../../client/web/clip/box.js';
 import { handlesOf } from '../../../client/web/clip/clip_marks.js';
-import { knowsClips } from '../../../client/web/clip/clipping.js';
 import { add, dot, length, scale, subtract } from '../../../client/web/view/vectors.js';
 import { random } from '../support/cameras.mjs';
 
@@ -83,8 +82,4 @@ it('a drag moves a face by as much as its normal is long on screen, and not wher
   assert.equal(alongNormal({ x: 30, y: 5 }, { x: 0, y: 0 }), 0);
   near(onLevel([0, 0, 10], [1, 0, -2], 0), [5, 0, 0]);
   assert.equal(onLevel([0, 0, 10], [1, 0, 2], 0), undefined);
-});
-
-it('is offered only where the server has the word', () => {
-  assert.ok(knowsClips({ view: { clips: null } }) && !knowsClips({ view: {} }) && !knowsClips(undefined));
 });

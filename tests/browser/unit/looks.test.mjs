@@ -101,6 +101,16 @@ describe('strings', () => {
     assert.equal(stringAt('panel.constructor'), undefined);
     assert.equal(stringAt('nothing.at.all'), undefined);
   });
+
+  it('are there for everything in the cards of the tools, which bring their own', async () => {
+    for (const [name, least] of Object.entries({ measure: 20, clip: 8 })) {
+      const { card } = await import(`../../../client/web/${name}/card.js`);
+      const words = (await import(`../../../client/web/page/strings/${name}.js`))[name];
+      const named = [...card.matchAll(/ data-(?:text|label|tip|hint)="([^"]+)"/g)].map(([, path]) => path);
+      assert.ok(named.length >= least, `${name}: ${named.length}`);
+      for (const path of named) assert.equal(typeof stringAt(path, words), 'string', `${name}: ${path}`);
+    }
+  });
 });
 
 describe('thumbnails', () => {

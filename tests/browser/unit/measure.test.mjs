@@ -5,7 +5,8 @@ import { describe, it } from 'node:test';
 
 import { Answers, questionOf } from '../../../client/web/measure/answers.js';
 import { systemText } from '../../../client/web/measure/coordinates.js';
-import { Draft, stepOf } from '../../../client/web/measure/draft.js';
+import { Draft } from '../../../client/web/measure/draft.js';
+import { stepOf } from '../../../client/web/measure/hand.js';
 import { csvOf, dxfOf, geoJsonOf, isWgs84 } from '../../../client/web/measure/export.js';
 import { parseMeasures, printMeasures } from '../../../client/web/measure/link.js';
 import { Measures, mostMeasures, unknownOf } from '../../../client/web/measure/measures.js';
@@ -13,7 +14,7 @@ import { isCovered, nearestTo, Places } from '../../../client/web/measure/places
 import { parseProject, printProject, ProjectError } from '../../../client/web/measure/project.js';
 import { decimalsFor, exactText, heightFactor, measuresLengths, placeText, unitOf, unitsFor, valueText } from '../../../client/web/measure/units.js';
 import { boundsOf, circleThrough, crossesItself, figureOf, kinds, valuesOf } from '../../../client/web/measure/values.js';
-import { strings } from '../../../client/web/page/strings.js';
+import { measure as words } from '../../../client/web/page/strings/measure.js';
 import { project as projected } from '../../../client/web/view/camera.js';
 import { poseOf } from '../../../client/web/view/pose.js';
 import { random } from '../support/cameras.mjs';
@@ -156,7 +157,7 @@ describe('what the server computes', () => {
   });
   it('how it is computed stands in links and files', () => {
     const some = [made('volume', corners, { option: 'fit', name: 'heap!' }), made('volume', corners, { option: -1.5 }), made('cylinder', [far], { option: 0.25 })];
-    const read = parseMeasures(printMeasures(some, strings.measure.kinds).word);
+    const read = parseMeasures(printMeasures(some, words.kinds).word);
     assert.deepEqual(read.map(({ option, name }) => [option, name]), [['fit', 'heap!'], [-1.5, ''], [0.25, '']]);
     assert.deepEqual(parseMeasures('#measures=t0.1.2.3!-1~t0.1.2.3!fit~d0.1.2.3.4.5.6!fit~v0.1.2.3.4.5.6!mean'), []);
     const file = printProject({ cloud: { id: 'a' }, view: '', unit: 'm', measures: some });
@@ -263,7 +264,7 @@ describe('a link', () => {
     made('point', [[2.5992379, -0.0013804187774344977, 1e-7]], { name: 'Point 3' }),
   ];
   it('holds measures exactly, with names of their own', () => {
-    const { word, left } = printMeasures(some, strings.measure.kinds);
+    const { word, left } = printMeasures(some, words.kinds);
     assert.equal(left, 0);
     const read = parseMeasures(`#cloud=a&${word}&present`);
     assert.deepEqual(read.map(({ kind }) => kind), ['distance', 'area', 'point']);
@@ -277,16 +278,16 @@ describe('a link', () => {
     for (let i = 0; i < 200; ++i) {
       const decimals = Math.floor(next() * 5);
       const points = Array.from({ length: 4 }, () => [6e5, 6e6, 500].map((size) => Number((size * (2 * next() - 1)).toFixed(decimals))));
-      const [read] = parseMeasures(printMeasures([made('distance', points)], strings.measure.kinds).word);
+      const [read] = parseMeasures(printMeasures([made('distance', points)], words.kinds).word);
       assert.deepEqual(read.points, points);
     }
   });
   it('has an end: what has no room is counted', () => {
     const many = Array.from({ length: 200 }, (_, i) => ({ ...some[0], points: at([i, 0, 0], [0, i, 1]) }));
-    const { word, left } = printMeasures(many, strings.measure.kinds, 600);
+    const { word, left } = printMeasures(many, words.kinds, 600);
     assert.ok(word.length < 1600 && left > 100);
     assert.equal(parseMeasures(word).length, 200 - left);
-    assert.deepEqual(printMeasures(many, strings.measure.kinds, 4096), { word: '', left: 200 });
+    assert.deepEqual(printMeasures(many, words.kinds, 4096), { word: '', left: 200 });
   });
   it('from anywhere is never more than measures', () => {
     for (const hash of [undefined, '', '#measures=', '#measures=%', '#measures=d3.1.2', '#measures=d3.1.2.3', '#measures=x3.1.2.3.4.5.6', '#measures=d3.1.2.3.4.5.zzzzzzzzzzzzz',
@@ -347,14 +348,14 @@ describe('exports', () => {
     made('point', at([0, 0, 0]), { name: 'nail' }),
   ];
   it('CSV: a row for each point, in the coordinates of the file, and no formula', () => {
-    const rows = csvOf(list, cloud, strings.measure.kinds).split('\r\n');
+    const rows = csvOf(list, cloud, words.kinds).split('\r\n');
     assert.equal(rows[0], 'name,kind,value,unit,point,x,y,z,step,crs');
     assert.equal(rows[1], '"a, ""b""",Distance,5,m,1,389459.271,5819743.97,45.426,0.001,ETRS89 / UTM zone 33N');
     assert.match(rows[3], /^'=cmd\(\),Area,8,m2,1,/);
     assert.equal(rows.length, 1 + 2 + 3 + 3 + 1 + 1);
   });
   it('DXF: pairs of codes and values, every entity closed, coordinates exact, ASCII only', () => {
-    const text = dxfOf(list, cloud, strings.measure.kinds, unitOf('metre', 'm'));
+    const text = dxfOf(list, cloud, words.kinds, unitOf('metre', 'm'));
     assert.match(text, /^[\x20-\x7e\r\n]*$/);
     const lines = text.split('\r\n');
     assert.equal(lines.pop(), '');

@@ -76,6 +76,8 @@ export class OnPicture {
   #before; // the camera before the plan
   #taken = []; // boxes of what floats over the picture, from its top left corner
   #placing = false;
+  #watcher = new ResizeObserver(() => this.#placeSoon());
+  #watched = new WeakSet();
   #shown; // the pose that was shown last
 
   constructor(viewer) {
@@ -93,8 +95,8 @@ export class OnPicture {
     find('marks').after(this.#column); // above what tools draw onto the picture
     this.#fillPanel();
     this.#apply();
-    const watcher = new ResizeObserver(() => this.#placeSoon());
-    for (const node of [find('picture'), ...this.#column.children, ...document.querySelectorAll(floating)]) watcher.observe(node);
+    for (const node of [find('picture'), ...this.#column.children]) this.#watch(node);
+    this.#place();
     const changes = new MutationObserver(() => this.#placeSoon());
     changes.observe(document.body, { attributes: true, attributeFilter: ['class', 'data-sheet'] });
     changes.observe(find('hint'), { attributes: true, attributeFilter: ['class'] });
@@ -211,6 +213,13 @@ export class OnPicture {
     this.#scaleBar.show({ pose, size, depth, crsUnit: cloud.crsUnit });
   }
 
+  /** Also what a tool has brought along since. */
+  #watch(node) {
+    if (this.#watched.has(node)) return;
+    this.#watched.add(node);
+    this.#watcher.observe(node);
+  }
+
   #placeSoon() {
     if (this.#placing) return;
     this.#placing = true;
@@ -224,7 +233,9 @@ export class OnPicture {
   #place() {
     const picture = find('picture').getBoundingClientRect();
     const isSeen = (node) => node.id !== 'hint' || getComputedStyle(node).opacity !== '0'; // it fades once it is learned
-    const boxes = [...document.querySelectorAll(floating)].filter(isSeen).map((node) => node.getBoundingClientRect()).filter(({ width, height }) => width > 0 && height > 0);
+    const nodes = [...document.querySelectorAll(floating)];
+    nodes.forEach((node) => this.#watch(node));
+    const boxes = nodes.filter(isSeen).map((node) => node.getBoundingClientRect()).filter(({ width, height }) => width > 0 && height > 0);
     const { left, right } = this.#column.getBoundingClientRect();
     const [top, bottom] = freeStretch(boxes, { left, right }, picture);
     this.#column.style.top = `${top}px`;

@@ -1,8 +1,6 @@
-// What the page says of cutting by boxes. strings.js puts it beside the rest, as strings.clip.
+// What the page says of cutting by boxes; loaded with it.
 
 export const clip = {
-  tool: 'Cut',
-  toolTip: 'Cut the scan by boxes and half-spaces (X)',
   title: 'Cut',
   close: 'Close cutting',
   how: 'Draw a face, the middle, or the arm that turns a box. Of a half-space, the arm points to what is shown.',

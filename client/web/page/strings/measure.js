@@ -1,11 +1,9 @@
-// What the page says of measuring. strings.js puts it beside the rest, as strings.measure.
+// What the page says of measuring; loaded with it.
 
 const pressed = (touch) => (touch ? 'Tap' : 'Click');
 const ending = (touch) => (touch ? '“Done”' : 'double-click or Enter');
 
 export const measure = {
-  tool: 'Measure',
-  toolTip: 'Measure: distances, heights, angles, areas, circles (M)',
   title: 'Measure',
   close: 'Close measuring',
   over: 'Measurements in the picture',
@@ -95,11 +93,6 @@ export const measure = {
     measured: (name, text) => `${name}: ${text}`,
     removed: (name) => `${name} deleted`,
     exact: (place) => `Point of the scan: ${place}`,
-  },
-
-  coordinates: {
-    about: (place) => `≈ ${place}`,
-    exact: (place, step) => `${place} · exact to ${step}`,
   },
 
   messages: {

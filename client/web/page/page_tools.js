@@ -1,0 +1,63 @@
+// The tools that come when they are first used, and what they need of the page: which scan is shown, what an address says of them, whose the
+// hand on the picture is. A tool more is a row here, and a place in tools.js.
+
+import { acceptDrops, keepsSome, measuresIn } from '../measure/beginning.js';
+import { Reading } from '../measure/reading.js';
+import { LazyTools } from './lazy_tools.js';
+import { strings } from './strings.js';
+
+const words = strings.tools;
+
+/** Whether a server cuts by shapes: older ones do not have that word. */
+const knowsClips = (cloud) => Object.hasOwn(cloud?.view ?? {}, 'clips');
+
+export class PageTools {
+  #lazy;
+  #rest; // of the tools: those that only some servers and scans have
+  #arrived = ''; // measures of an address, until measuring has read them
+
+  /** `page`: { overlays (messages), hash() (the view as an address says it), changed() (hears that the address has something new to say) } */
+  constructor(viewer, rail, page) {
+    this.#lazy = new LazyTools(rail, page.overlays);
+    const reading = new Reading(viewer);
+    this.#lazy.add({
+      id: 'measure', label: words.measure, tip: words.measureTip, icon: 'measure', key: 'm', styles: ['card.css', 'measure.css'],
+      load: async (active) => new (await import('../measure/measuring.js')).Measuring(viewer, { ...page, reading, active }),
+    });
+    this.#rest = [
+      { offered: knowsClips, tool: {
+        id: 'clip', label: words.clip, tip: words.clipTip, icon: 'clip', key: 'x', styles: ['card.css', 'clip.css'],
+        load: async (active) => new (await import('../clip/clipping.js')).Clipping(viewer, active),
+      } },
+    ];
+    acceptDrops(async (file) => (await this.#lazy.get('measure'))?.open(file));
+  }
+
+  /** That scan is shown from now on. */
+  show(cloud) {
+    for (const { offered, tool } of this.#rest) if (!this.#lazy.has(tool.id) && offered(cloud)) this.#lazy.add(tool);
+    if (!this.#lazy.made('measure') && keepsSome(cloud)) this.#lazy.get('measure');
+  }
+
+  /** An address that somebody has been given: what it says of measures comes to those that are here. */
+  async arrived(hash) {
+    const part = measuresIn(hash);
+    if (!part) return;
+    this.#arrived = part;
+    const measuring = await this.#lazy.get('measure');
+    measuring?.arrived(hash);
+    if (measuring && this.#arrived === part) this.#arrived = '';
+  }
+
+  /** What the address says of the tools, for one that has that many characters already: '' or '&measures=…'. */
+  hashPart(taken) {
+    if (this.#arrived) return `&${this.#arrived}`; // nobody has read them yet
+    return this.#lazy.made('measure')?.hashPart(taken) ?? '';
+  }
+
+  /** Whether that key opens one of them. */
+  hasKey(key) { return this.#lazy.hasKey(key); }
+
+  /** Whatever is open. */
+  close() { this.#lazy.close(); }
+}

@@ -4,10 +4,17 @@ set(SCANCAST_WEB_FILES
     favicon.svg
     main.js
     scancast-view.js
+    annotate/annotating.js
+    annotate/card.js
+    annotate/note_list.js
+    annotate/notes.js
     clip/box.js
     clip/card.js
     clip/clip_marks.js
     clip/clipping.js
+    compare/card.js
+    compare/comparing.js
+    compare/sides.js
     connection/access.js
     connection/connection.js
     connection/guest.js
@@ -17,6 +24,7 @@ set(SCANCAST_WEB_FILES
     measure/answers.js
     measure/beginning.js
     measure/card.js
+    measure/checks.js
     measure/coordinates.js
     measure/draft.js
     measure/export.js
@@ -32,8 +40,10 @@ set(SCANCAST_WEB_FILES
     measure/project.js
     measure/reading.js
     measure/shelf.js
+    measure/stepped_list.js
     measure/units.js
     measure/values.js
+    measure/zoom.js
     page/choices.js
     page/chosen_method.js
     page/colour_choice.js
@@ -67,26 +77,37 @@ set(SCANCAST_WEB_FILES
     page/share.js
     page/stations.js
     page/strings.js
+    page/strings/annotate.js
     page/strings/clip.js
+    page/strings/compare.js
     page/strings/measure.js
+    page/strings/picture.js
     page/strings/plan.js
+    page/strings/views.js
     page/themes.js
     page/thumbnails.js
     page/tools.js
+    picture/file_name.js
+    picture/furniture.js
+    picture/picture_dialog.js
     protocol/frame_depth.js
     protocol/frame_header.js
     protocol/view_words.js
+    styles/annotate.css
     styles/card.css
     styles/clip.css
+    styles/compare.css
     styles/fields.css
     styles/measure.css
     styles/panel.css
     styles/photos.css
+    styles/picture.css
     styles/plan.css
     styles/rail.css
     styles/state.css
     styles/style.css
     styles/theme.css
+    styles/views.css
     view/anchor.js
     view/camera.js
     view/camera_input.js
@@ -113,4 +134,8 @@ set(SCANCAST_WEB_FILES
     view/vectors.js
     view/view_hash.js
     view/view_state.js
-    view/viewer.js)
+    view/viewer.js
+    views/player.js
+    views/saved.js
+    views/saved_views.js
+    views/tour.js)

@@ -17,7 +17,7 @@ import { PageTools } from './page/page_tools.js';
 import { Photos } from './page/photos.js';
 import { asksToPresent, Presentation } from './page/presentation.js';
 import { showScan } from './page/scan_facts.js';
-import { copyLink, savePicture } from './page/share.js';
+import { copyLink } from './page/share.js';
 import { Stations } from './page/stations.js';
 import { fillStrings, strings } from './page/strings.js';
 import { chooseTheme, chosenTheme, themes } from './page/themes.js';
@@ -45,6 +45,7 @@ function freeSize({ width, height }) {
 
 const presentation = new Presentation((on) => {
   if (on) tools.close(); // what has been measured stays in the picture
+  else tools.stopTour();
   address.changed();
 });
 const layout = new Layout();
@@ -67,7 +68,9 @@ const controls = new Controls({
   reset: () => viewer.resetStyle(),
   gallery: (open) => galleries.show('methods', open),
 });
-const tools = new PageTools(viewer, rail, { overlays, hash: () => viewHash() ?? '', changed: () => address.changed() });
+const tools = new PageTools(viewer, rail, {
+  overlays, chosen, hash: () => viewHash() ?? '', changed: () => address.changed(), galleries: () => galleries, onPicture: () => onPicture,
+});
 const galleries = new Galleries(viewer, () => controls);
 const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
 const onPicture = new OnPicture(viewer);
@@ -246,13 +249,6 @@ function showHint(looks) {
   }
 }
 
-async function saveThisPicture(button) {
-  if (!viewer.cloud) return;
-  button.disabled = true;
-  await savePicture(viewer.server, viewer.cloud.id, viewer.view, viewer.pictureSize, overlays);
-  button.disabled = false;
-}
-
 const { tools: words } = strings;
 rail.register({ id: 'orbit', mode: 'navigate', label: words.orbit, tip: words.orbitTip, icon: 'orbit', activate: () => setLooking(false) });
 rail.register({
@@ -261,9 +257,10 @@ rail.register({
 rail.register({
   id: 'views', label: words.views, tip: words.viewsTip, icon: 'views', key: 'v', activate: () => find('views-gallery').togglePopover(),
 });
-rail.register({ id: 'picture', label: words.picture, tip: words.pictureTip, icon: 'picture', elementId: 'save-picture', activate: saveThisPicture });
+rail.register({ id: 'picture', label: words.picture, tip: words.pictureTip, icon: 'picture', elementId: 'save-picture', activate: (button) => tools.savePicture(button) });
 rail.register({ id: 'present', label: words.present, tip: words.presentTip, icon: 'present', key: 'h', activate: () => presentation.toggle() });
 
+find('views-gallery').addEventListener('toggle', ({ newState }) => newState === 'open' && tools.showViews());
 setLooking(false);
 
 const theme = new Choices(find('theme'), chooseTheme);
@@ -288,7 +285,7 @@ const shortcuts = {
   4: () => viewer.showStandardView('back'), 5: () => viewer.showStandardView('left'), 6: () => viewer.showStandardView('bottom'),
   7: () => onPicture.togglePlan(), g: () => onPicture.toggle('grid'), n: () => onPicture.toggle('minimap'),
   Enter: (event) => viewer.goToMiddle(event.shiftKey),
-  c: toggleColliding, l: () => setLooking(!viewer.looksAround), o: () => viewer.toggleProjection(), p: () => layout.toggle(), '?': () => overlays.toggleHelp(),
+  c: toggleColliding, l: () => setLooking(!viewer.looksAround), o: () => viewer.toggleProjection(), p: () => layout.toggle(), t: () => tools.playTour(), '?': () => overlays.toggleHelp(),
 };
 
 addEventListener('keydown', (event) => {

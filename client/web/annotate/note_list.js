@@ -13,6 +13,9 @@ const touch = matchMedia('(pointer: coarse)');
 export class NoteList {
   #notes;
   #does;
+  #rows = new Map(); // id → { note, isOpen, row }
+  #said; // what show() was told last
+  #edited; // id of the note in whose fields the focus is: while it goes from one to the next, nothing has it
 
   /** `does`: select(id or undefined), again(id), zoom(id), remove(id), close(), save(), open(). */
   constructor(notes, does) {
@@ -33,7 +36,9 @@ export class NoteList {
     find('note-said').textContent = text;
   }
 
-  show({ selected, replaced, cloud }) {
+  show(said) {
+    this.#said = said;
+    const { selected, replaced, cloud } = said;
     const { list } = this.#notes;
     const moving = this.#notes.find(replaced);
     find('note-how').textContent = moving ? words.again(moving.name, touch.matches) : [words.how(touch.matches), touch.matches ? '' : words.keys].filter(Boolean).join(' ');
@@ -44,9 +49,22 @@ export class NoteList {
     /** @type {any} */
     const active = document.activeElement;
     const focused = active?.closest?.('#note-list') && active.dataset.key;
-    find('note-list').replaceChildren(...list.map((note) => this.#row(note, note.id === selected, cloud)));
+    const before = this.#rows;
+    this.#rows = new Map(list.map((note) => [note.id, this.#kept(before.get(note.id), note, note.id === selected) ?? { note, isOpen: note.id === selected, row: this.#row(note, note.id === selected, cloud) }]));
+    const rows = [...this.#rows.values()].map(({ row }) => row);
+    const shown = [...find('note-list').children];
+    // What is there already is not touched: whoever goes from field to field would lose his way.
+    if (rows.length !== shown.length || rows.some((row, i) => row !== shown[i])) find('note-list').replaceChildren(...rows);
     // What had the focus may be gone; then the next best has it, and never nothing.
-    if (focused && !this.#focus(focused)) (find('note-list').querySelector('button') ?? find('close-annotating')).focus();
+    if (focused && document.activeElement !== active && !this.#focus(focused)) (find('note-list').querySelector('button') ?? find('close-annotating')).focus();
+  }
+
+  /** The row of a note, where it still says what is so, or where somebody is writing in it. */
+  #kept(known, note, isOpen) {
+    if (!known || known.isOpen !== isOpen) return undefined;
+    if (known.note !== note && !(isOpen && this.#edited === note.id)) return undefined;
+    known.row.querySelector('.name span').textContent = note.name;
+    return known;
   }
 
   /** Its title is what one writes next. */
@@ -72,14 +90,23 @@ export class NoteList {
   #row(note, isOpen, cloud) {
     const { id, name, visible } = note;
     const head = this.#button(`row-${id}`, { className: 'name' }, () => this.#does.select(isOpen ? undefined : id));
-    head.append(element('span', { textContent: name || '–' }));
+    head.append(element('span', { textContent: name }));
     head.setAttribute('aria-expanded', String(isOpen));
     const eye = this.#button(`eye-${id}`, { className: 'eye', title: words.showTip }, () => this.#notes.change(id, { visible: !visible }));
     eye.append(icon(visible ? 'shown' : 'unshown'));
     eye.setAttribute('aria-label', words.show(name));
     eye.setAttribute('aria-pressed', String(visible));
     const row = element('li', { className: visible ? '' : 'unshown' }, element('div', { className: 'head' }, eye, head));
-    if (isOpen) row.append(this.#details(note, cloud));
+    if (isOpen) {
+      const details = this.#details(note, cloud);
+      details.addEventListener('focusin', () => { this.#edited = id; });
+      details.addEventListener('focusout', ({ relatedTarget }) => {
+        if (details.contains(relatedTarget)) return;
+        this.#edited = undefined;
+        if (this.#notes.find(id) !== this.#rows.get(id)?.note) queueMicrotask(() => this.show(this.#said)); // now it may be made anew
+      });
+      row.append(details);
+    }
     return row;
   }
 

@@ -4,6 +4,9 @@
 import { exactText, heightFactor, valueText, unitOf } from './units.js';
 import { figureOf, kinds, valuesOf } from './values.js';
 
+/** What a note is called where measures have their kind. */
+const noteKind = 'Note';
+
 /** EPSG codes of WGS 84 in degrees, without and with height. */
 const wgs84 = [4326, 4979];
 export const isWgs84 = (cloud) => wgs84.includes(Number(cloud?.crsEpsg));
@@ -21,14 +24,16 @@ function field(text) {
 
 const unitNameOf = ({ quantity }, own) => (quantity === 'angle' ? 'degree' : own && `${own}${{ area: 2, volume: 3 }[quantity] ?? ''}`);
 
-/** One row for each point, with what it belongs to; `words`: the kinds' names. */
+/** One row for each point, with what it belongs to; `words`: the kinds' names. Notes (annotate/notes.js, as points) have two columns more. */
 export function csvOf(list, cloud, words) {
-  const rows = [['name', 'kind', 'value', 'unit', 'point', 'x', 'y', 'z', 'step', 'crs']];
+  const hasNotes = list.some(({ note }) => note);
+  const rows = [['name', 'kind', 'value', 'unit', 'point', 'x', 'y', 'z', 'step', 'crs', ...(hasNotes ? ['text', 'link'] : [])]];
   for (const measure of list) {
     const main = mainOf(measure, cloud);
-    const head = [measure.name, words[measure.kind], main ? exactText(main.value) : '', main ? unitNameOf(main, ownUnit(cloud)) : ''];
+    const { note } = measure;
+    const head = [measure.name, note ? noteKind : words[measure.kind], main ? exactText(main.value) : '', main ? unitNameOf(main, ownUnit(cloud)) : ''];
     measure.points.forEach((point, i) => {
-      rows.push([...head, String(i + 1), ...point.map(exactText), exactText(measure.step), placeOf(cloud)]);
+      rows.push([...head, String(i + 1), ...point.map(exactText), exactText(measure.step), placeOf(cloud), ...(hasNotes ? [note?.text ?? '', note?.link ?? ''] : [])]);
     });
   }
   return rows.map((row) => `${row.map(field).join(',')}\r\n`).join('');
@@ -47,11 +52,11 @@ export function dxfOf(list, cloud, kindWords, shownUnit) {
   const lines = /** @type {string[]} */ ([]);
   const say = (code, text) => lines.push(String(code), String(text));
   const at = (place) => place.forEach((one, axis) => say(10 * (axis + 1), exactText(one)));
-  const layerOf = ({ kind }) => kind.toUpperCase();
+  const layerOf = ({ kind, note }) => (note ? noteKind : kind).toUpperCase();
   const comment = (text) => say(999, ascii(text).slice(0, 250));
   comment(`Measured in the coordinates of the file${placeOf(cloud) && `: ${placeOf(cloud)}`}${ownUnit(cloud) && `, ${ownUnit(cloud)}`}`);
   for (const [code, text] of [[0, 'SECTION'], [2, 'HEADER'], [9, '$ACADVER'], [1, 'AC1009'], [0, 'ENDSEC']]) say(code, text);
-  const layers = Object.keys(kinds).map((kind) => kind.toUpperCase());
+  const layers = [...Object.keys(kinds), ...(list.some(({ note }) => note) ? [noteKind] : [])].map((kind) => kind.toUpperCase());
   for (const [code, text] of [[0, 'SECTION'], [2, 'TABLES'], [0, 'TABLE'], [2, 'LAYER'], [70, layers.length]]) say(code, text);
   layers.forEach((layer, i) => { for (const [code, text] of [[0, 'LAYER'], [2, layer], [70, 0], [62, i + 1], [6, 'CONTINUOUS']]) say(code, text); });
   for (const [code, text] of [[0, 'ENDTAB'], [0, 'ENDSEC'], [0, 'SECTION'], [2, 'ENTITIES']]) say(code, text);
@@ -97,8 +102,8 @@ function geometryOf({ kind, points }) {
 /** RFC 7946, of a scan whose coordinates are WGS 84 (isWgs84()). Lengths of such a scan are degrees, and not written. */
 export function geoJsonOf(list) {
   const features = list.map((measure) => {
-    const { name, kind } = measure;
-    return { type: 'Feature', properties: { name, kind }, geometry: geometryOf(measure) };
+    const { name, kind, note } = measure;
+    return { type: 'Feature', properties: note ? { name, kind: noteKind.toLowerCase(), ...note } : { name, kind }, geometry: geometryOf(measure) };
   });
   return `${JSON.stringify({ type: 'FeatureCollection', features }, undefined, 1)}\n`;
 }

@@ -1,14 +1,18 @@
-// Where measures are kept, and whose they are: on this device for each scan, in the address, in project files, in exports. Everything
-// comes to the list as a whole or not at all, and whatever takes the place of what was there can be taken back.
+// The project of a scan: its measures, notes, saved views and tours, and where they are kept: on this device for each scan, measures in the
+// address, in project files, in exports. Everything comes to the lists as a whole or not at all, and whatever takes the place of what was
+// there can be taken back.
 
+import { mostNotes, pointOf } from '../annotate/notes.js';
 import { measure as words } from '../page/strings/measure.js';
 import { parseHash } from '../view/view_hash.js';
+import { mostTours, mostViews } from '../views/saved.js';
 import { csvOf, dxfOf, geoJsonOf, isWgs84 } from './export.js';
 import { acceptFiles, download, readProject } from './files.js';
 import { parseMeasures, printMeasures } from './link.js';
 import { unknownOf } from './measures.js';
 import { printProject } from './project.js';
 import { keep, recall } from './shelf.js';
+import { SteppedList } from './stepped_list.js';
 import { unitOf } from './units.js';
 
 /** @type {(id: string) => any} */
@@ -24,15 +28,20 @@ export class Keeping {
   #kept = {}; // what a project file said that is not this page's
   #leftOut = 0; // measures for which the link had no room
 
+  notes = new SteppedList(mostNotes);
+  views = new SteppedList(mostViews);
+  tours = new SteppedList(mostTours);
+
   /**
-   * `page`: { overlays (messages), hash() (the view as an address says it), unit() and setUnit(unit) in which lengths are shown, opened()
-   * after a project was }.
+   * `page`: { overlays (messages), hash() (the view as an address says it), unit() and setUnit(unit) in which lengths are shown, opened(project)
+   * after one was }.
    */
   constructor(viewer, measures, page) {
     this.#viewer = viewer;
     this.#measures = measures;
     this.#page = page;
-    measures.addEventListener('change', () => this.#keep());
+    for (const list of [measures, this.notes, this.views, this.tours]) list.addEventListener('change', () => this.#keep());
+    for (const list of [measures, this.notes]) list.addEventListener('change', () => this.#offer());
     this.#connectFiles();
   }
 
@@ -43,8 +52,12 @@ export class Keeping {
     if (isOther) {
       const known = recall(cloud);
       this.#kept = known?.project.kept ?? {};
-      this.#measures.begin(known?.project.measures ?? []);
-      if (known?.isOlder && known.project.measures.length > 0) this.#page.overlays.toast(messages.otherState, messages.otherStateDetail);
+      const { measures = [], notes = [], views = [], tours = [] } = known?.project ?? {};
+      this.#measures.begin(measures);
+      this.notes.begin(notes);
+      this.views.begin(views);
+      this.tours.begin(tours);
+      if (known?.isOlder && measures.length + notes.length > 0) this.#page.overlays.toast(messages.otherState, messages.otherStateDetail);
     }
     this.#cloud = cloud;
     find('export-geojson').hidden = !isWgs84(cloud);
@@ -61,7 +74,7 @@ export class Keeping {
 
   #keep() {
     if (!this.#cloud) return; // they have just come from there
-    const hasSome = this.#measures.list.length > 0 || Object.keys(this.#kept).length > 0;
+    const hasSome = [this.#measures, this.notes, this.views, this.tours].some(({ list }) => list.length > 0) || Object.keys(this.#kept).length > 0;
     keep(this.#cloud, hasSome ? this.#project('') : '');
   }
 
@@ -88,21 +101,41 @@ export class Keeping {
   // ---- files
 
   #project(view) {
-    return printProject({ cloud: this.#cloud, view, unit: this.#page.unit(), measures: this.#measures.list, kept: this.#kept });
+    const { notes: { list: notes }, views: { list: views }, tours: { list: tours } } = this;
+    return printProject({ cloud: this.#cloud, view, unit: this.#page.unit(), measures: this.#measures.list, notes, views, tours, kept: this.#kept });
+  }
+
+  /** What exports are made of: measures, and notes as points. */
+  get #points() { return [...this.#measures.list, ...this.notes.list.map(pointOf)]; }
+
+  /** There is something to export, or nothing. */
+  #offer() {
+    for (const id of ['export-csv', 'export-dxf', 'export-geojson']) find(id).disabled = this.#points.length === 0;
+  }
+
+  /** The project as a file, to be opened again. */
+  save() {
+    this.#download('project.json', 'application/json', () => this.#project(this.#page.hash().replace(/^#/, '')));
+  }
+
+  /** Asks for a project file. */
+  choose() {
+    find('project-file').click();
+  }
+
+  #download(ending, type, text) {
+    if (!this.#cloud) return;
+    const name = `${this.#cloud.id}.${ending}`;
+    download(name, type, text());
+    this.#page.overlays.toast(messages.saved, name, 'done');
   }
 
   #connectFiles() {
-    const save = (ending, type, text) => {
-      if (!this.#cloud) return;
-      const name = `${this.#cloud.id}.${ending}`;
-      download(name, type, text());
-      this.#page.overlays.toast(messages.saved, name, 'done');
-    };
     const on = (id, act) => find(id).addEventListener('click', act);
-    on('export-csv', () => save('csv', 'text/csv', () => csvOf(this.#measures.list, this.#cloud, words.kinds)));
-    on('export-dxf', () => save('dxf', 'image/vnd.dxf', () => dxfOf(this.#measures.list, this.#cloud, words.kinds, unitOf(this.#cloud.crsUnit, this.#page.unit()))));
-    on('export-geojson', () => save('geojson', 'application/geo+json', () => geoJsonOf(this.#measures.list)));
-    on('save-project', () => save('project.json', 'application/json', () => this.#project(this.#page.hash().replace(/^#/, ''))));
+    on('export-csv', () => this.#download('csv', 'text/csv', () => csvOf(this.#points, this.#cloud, words.kinds)));
+    on('export-dxf', () => this.#download('dxf', 'image/vnd.dxf', () => dxfOf(this.#points, this.#cloud, words.kinds, unitOf(this.#cloud.crsUnit, this.#page.unit()))));
+    on('export-geojson', () => this.#download('geojson', 'application/geo+json', () => geoJsonOf(this.#points)));
+    on('save-project', () => this.save());
     acceptFiles(find('open-project'), find('project-file'), (file) => this.open(file));
   }
 
@@ -127,12 +160,16 @@ export class Keeping {
     if (view || !isHere) this.#viewer.restore({ ...view, cloud: id });
   }
 
-  #use({ cloud, unit, measures, kept }) {
+  #use(project) {
+    const { cloud, unit, measures, notes, views, tours, kept } = project;
     this.#kept = kept;
     if (unit) this.#page.setUnit(unit);
     this.#measures.replace(measures.map((one) => ({ ...one, name: one.name || words.kinds[one.kind] })));
-    this.#page.opened();
+    this.notes.replace(notes);
+    this.views.replace(views);
+    this.tours.replace(tours);
+    this.#page.opened(project);
     if (cloud.revision && cloud.revision !== this.#cloud.revision) this.#page.overlays.toast(messages.otherState, messages.otherStateDetail);
-    else this.#page.overlays.toast(messages.opened, messages.openedDetail(measures.length), 'done');
+    else this.#page.overlays.toast(messages.opened, messages.openedDetail({ measures, notes, views }), 'done');
   }
 }

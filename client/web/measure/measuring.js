@@ -5,7 +5,6 @@ import { deviceStore } from '../connection/stores.js';
 import { putCard } from '../page/lazy_tools.js';
 import { strings } from '../page/strings.js';
 import { measure as words } from '../page/strings/measure.js';
-import { fit, radiusOf } from '../view/camera.js';
 import { usualUpAxis } from '../view/usual.js';
 import { Answers } from './answers.js';
 import { card } from './card.js';
@@ -17,7 +16,8 @@ import { Marks } from './marks.js';
 import { Measures, mostMeasures } from './measures.js';
 import { Panel } from './panel.js';
 import { exactText, heightFactor, measuresLengths, unitOf, unitsFor, valueText } from './units.js';
-import { boundsOf, valuesOf } from './values.js';
+import { valuesOf } from './values.js';
+import { zoomTo } from './zoom.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
@@ -69,7 +69,7 @@ export class Measuring {
       tell: (id, facts) => this.#tell(id, facts), close: () => this.activate(false),
     });
     this.#keeping = new Keeping(viewer, this.#measures, {
-      overlays: page.overlays, hash: page.hash, unit: () => this.#shownUnit, setUnit: (unit) => this.#setUnit(unit), opened: () => this.activate(true),
+      overlays: page.overlays, hash: page.hash, unit: () => this.#shownUnit, setUnit: (unit) => this.#setUnit(unit), opened: ({ measures }) => measures.length > 0 && this.activate(true),
     });
     this.#measures.addEventListener('change', () => this.#changed());
     new Answers(viewer, this.#measures);
@@ -78,6 +78,8 @@ export class Measuring {
   }
 
   get isActive() { return this.#isActive; }
+  /** The project whose measures these are. */
+  get keeping() { return this.#keeping; }
 
   activate(isActive = !this.#isActive) {
     if (isActive === this.#isActive) return;
@@ -326,11 +328,7 @@ export class Measuring {
   }
 
   #zoom(id) {
-    const { camera, cssSize, bounds, cloud } = this.#viewer;
-    const { min, max } = boundsOf(this.#measures.find(id).points);
-    const air = Math.max(0.2 * Math.max(...max.map((value, axis) => value - min[axis])), 20 * (cloud.spacing ?? 0), 1e-3 * radiusOf(bounds));
-    const around = { min: min.map((value) => value - air), max: max.map((value) => value + air) };
-    if (camera) this.#viewer.goTo(fit(camera, around, cssSize, this.#viewer.freeSize(cssSize)));
+    zoomTo(this.#viewer, this.#measures.find(id).points);
   }
 
   async #copy(id) {

@@ -92,7 +92,6 @@ export class Panel {
     find('measure-list').hidden = list.length === 0;
     find('measure-undo').disabled = !measures.canUndo;
     find('measure-redo').disabled = !measures.canRedo;
-    for (const id of ['export-csv', 'export-dxf', 'export-geojson']) find(id).disabled = list.length === 0;
     find('measure-list').replaceChildren(...list.map((one) => this.#row(one, one.id === selected, unit)));
     // All of what has been opened, or, where that is too much, its beginning.
     const opened = selected !== this.#open ? find('measure-list').querySelector('li:has([aria-expanded="true"])') : null;

@@ -28,6 +28,17 @@ export class ChosenMethod {
     return view.method === 'auto' && cloud !== undefined && this.#of === `${cloud.id} ${cloud.revision}`;
   }
 
+  /** What a method is called; `auto`, by the one that it came to, where that is known. */
+  title(name) {
+    const shown = name === 'auto' && this.#method ? this.#method : name;
+    return this.#titles.get(shown) ?? shown;
+  }
+
+  /** The method that the view is drawn by: 'auto' where nobody knows yet which that is. */
+  method(view, cloud) {
+    return this.#isKnown(view, cloud) ? this.#method : view.method;
+  }
+
   /** "Paraboloids (automatic)", or the name of the method that the view asks for. */
   words(view, cloud) {
     const title = (name) => this.#titles.get(name) ?? name;

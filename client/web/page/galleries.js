@@ -20,6 +20,7 @@ export class Galleries {
   #controls;
   #thumbnails;
   #open = new Set();
+  #others = () => /** @type {{ changes: any, place: Element }[]} */ ([]); // saved views, once there are such
 
   /** `controls()` tells the methods and where their pictures go. */
   constructor(viewer, controls) {
@@ -39,6 +40,17 @@ export class Galleries {
     viewer.addEventListener('view', ({ detail }) => {
       if (detail.by === 'style') this.#ask();
     });
+  }
+
+  /** `pictures()`: [{ changes, place }], what else the gallery of views has pictures of: how that differs from the view, and where it goes. */
+  also(pictures) {
+    this.#others = pictures;
+    this.#ask();
+  }
+
+  /** What is to be seen there is something else. */
+  renew() {
+    this.#ask();
   }
 
   /** 'methods' or 'views' is open now, or is not any more. */
@@ -72,6 +84,7 @@ export class Galleries {
     if (cloud && this.#open.has('views')) {
       const places = find('views-list').querySelectorAll('.thumbnail');
       this.#views.forEach(({ camera }, i) => add({ camera }, places[i]));
+      for (const { changes, place } of this.#others()) add(changes, place);
     }
     if (cloud && view.camera && this.#open.has('methods')) {
       const camera = middleOf(view.camera, this.#viewer.pictureSize.height);

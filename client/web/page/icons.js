@@ -8,6 +8,7 @@ const drawings = {
   clip: 'M4 8V4h4m8 0h4v4m0 8v4h-4M8 20H4v-4M4 12h16',
   profile: 'M3.5 19.5h17M3.5 16c3-1 4-8 7-8s3 5 5 5 3-4 5-4',
   annotate: 'M5 5h14v10h-7l-4 4v-4H5z',
+  compare: 'M4 5.5h6.5v13H4zM13.5 5.5H20v13h-6.5M12 3v18',
   views: 'M3.5 5h7.5v6H3.5zM13 5h7.5v6H13zM3.5 13h7.5v6H3.5zM13 13h7.5v6H13z',
   picture: 'M4 8h3.2L9 5.5h6L16.8 8H20v11H4zM12 10a3.4 3.4 0 1 0 0 6.8 3.4 3.4 0 0 0 0-6.8',
   present: 'M3 4.5h18M4.5 4.5v10.5h15V4.5M12 15v2.5m0 0L8.5 21m3.5-3.5 3.5 3.5M10.5 7.5v4.5l3.8-2.2z',

@@ -3,7 +3,7 @@
 
 import { acceptDrops, keepsSome, measuresIn } from '../measure/beginning.js';
 import { Reading } from '../measure/reading.js';
-import { LazyTools } from './lazy_tools.js';
+import { LazyPart, LazyTools } from './lazy_tools.js';
 import { strings } from './strings.js';
 
 const words = strings.tools;
@@ -15,15 +15,52 @@ export class PageTools {
   #lazy;
   #rest; // of the tools: those that only some servers and scans have
   #arrived = ''; // measures of an address, until measuring has read them
+  #savedViews;
+  #picture;
 
-  /** `page`: { overlays (messages), hash() (the view as an address says it), changed() (hears that the address has something new to say) } */
+  /**
+   * `page`: { overlays (messages), hash() (the view as an address says it), changed() (hears that the address has something new to say), galleries(),
+   * onPicture(), chosen (which method is drawn by) }
+   */
   constructor(viewer, rail, page) {
     this.#lazy = new LazyTools(rail, page.overlays);
     const reading = new Reading(viewer);
+    const project = async () => (await this.#lazy.get('measure')).keeping;
     this.#lazy.add({
       id: 'measure', label: words.measure, tip: words.measureTip, icon: 'measure', key: 'm', styles: ['card.css', 'measure.css'],
-      load: async (active) => new (await import('../measure/measuring.js')).Measuring(viewer, { ...page, reading, active }),
+      load: async (active) => {
+        const measuring = new (await import('../measure/measuring.js')).Measuring(viewer, { ...page, reading, active });
+        const { notes } = measuring.keeping;
+        const show = () => notes.list.length > 0 && this.#lazy.get('annotate'); // they are to be seen
+        notes.addEventListener('change', show);
+        queueMicrotask(show);
+        return measuring;
+      },
     });
+    this.#lazy.add({
+      id: 'annotate', label: words.annotate, tip: words.annotateTip, icon: 'annotate', key: 'i', styles: ['card.css', 'measure.css', 'annotate.css'],
+      load: async (active) => {
+        const [{ Annotating }, keeping] = await Promise.all([import('../annotate/annotating.js'), project()]);
+        return new Annotating(viewer, { overlays: page.overlays, reading, keeping, active });
+      },
+    });
+    this.#lazy.add({
+      id: 'compare', label: words.compare, tip: words.compareTip, icon: 'compare', key: 'k', styles: ['card.css', 'compare.css'],
+      load: async (active) => new (await import('../compare/comparing.js')).Comparing(viewer, {
+        overlays: page.overlays, changed: page.changed, active, title: (method) => page.chosen.title(method),
+      }),
+    });
+    this.#savedViews = new LazyPart({
+      styles: ['views.css'],
+      load: async () => {
+        const [{ SavedViews }, keeping] = await Promise.all([import('../views/saved_views.js'), project()]);
+        return new SavedViews(viewer, { overlays: page.overlays, hash: page.hash, keeping, galleries: page.galleries() });
+      },
+    }, page.overlays);
+    this.#picture = new LazyPart({
+      styles: ['picture.css'],
+      load: async () => new (await import('../picture/picture_dialog.js')).PictureDialog(viewer, { overlays: page.overlays, onPicture: page.onPicture(), chosen: page.chosen }),
+    }, page.overlays);
     this.#rest = [
       { offered: knowsClips, tool: {
         id: 'clip', label: words.clip, tip: words.clipTip, icon: 'clip', key: 'x', styles: ['card.css', 'clip.css'],
@@ -39,8 +76,26 @@ export class PageTools {
     if (!this.#lazy.made('measure') && keepsSome(cloud)) this.#lazy.get('measure');
   }
 
+  /** The gallery of views is open. */
+  showViews() { this.#savedViews.get(); }
+
+  /** Plays the tour, or ends it. */
+  async playTour() { (await this.#savedViews.get())?.play(); }
+
+  /** Ends the tour that is played. */
+  stopTour() { this.#savedViews.made?.stop(); }
+
+  /** Asks how a picture is to be saved. */
+  async savePicture(button) {
+    button.setAttribute('aria-busy', 'true');
+    const dialog = await this.#picture.get();
+    button.removeAttribute('aria-busy');
+    dialog?.activate();
+  }
+
   /** An address that somebody has been given: what it says of measures comes to those that are here. */
   async arrived(hash) {
+    this.#compare(hash);
     const part = measuresIn(hash);
     if (!part) return;
     this.#arrived = part;
@@ -49,10 +104,22 @@ export class PageTools {
     if (measuring && this.#arrived === part) this.#arrived = '';
   }
 
+  /** What an address says of two sides. */
+  async #compare(hash) {
+    if (!/[#&]compare=/.test(hash)) {
+      this.#lazy.made('compare')?.end();
+      return;
+    }
+    const [{ parseSides }, comparing] = await Promise.all([import('../compare/sides.js'), this.#lazy.get('compare')]);
+    const sides = parseSides(hash);
+    if (sides) comparing?.restore(sides);
+  }
+
   /** What the address says of the tools, for one that has that many characters already: '' or '&measures=…'. */
   hashPart(taken) {
-    if (this.#arrived) return `&${this.#arrived}`; // nobody has read them yet
-    return this.#lazy.made('measure')?.hashPart(taken) ?? '';
+    const compared = this.#lazy.made('compare')?.hashPart ?? '';
+    if (this.#arrived) return `&${this.#arrived}${compared}`; // nobody has read them yet
+    return `${this.#lazy.made('measure')?.hashPart(taken + compared.length) ?? ''}${compared}`;
   }
 
   /** Whether that key opens one of them. */

@@ -28,6 +28,9 @@ export function dateText(date) {
 /** Whose the scan is, as the cloud file says it: "City of Graz, CC BY 4.0". Pure. */
 export const creditOf = (cloud) => textOf(cloud.attribution);
 
+/** The same behind its date, for a picture's margin. Pure. */
+export const creditLine = (cloud) => [dateText(cloud.recorded), creditOf(cloud)].filter(Boolean).join(' · ');
+
 /** [term, text] pairs, of what is known. Pure. */
 export function factsOfScan(cloud) {
   const { names } = strings.colour;

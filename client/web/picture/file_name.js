@@ -19,9 +19,11 @@ export const sideOf = (value) => (Number.isInteger(value) && value >= 16 && valu
 
 /** [name, width, height]: what is offered for a canvas of that many pixels; none is larger than a picture may be. */
 export function presetsOf({ width, height }) {
-  const times = (factor) => [Math.round(width * factor), Math.round(height * factor)];
-  return [
+  const times = (factor) => /** @type {const} */ ([Math.round(width * factor), Math.round(height * factor)]);
+  /** @type {[string, number, number][]} */
+  const all = [
     ['screen', ...times(1)], ['twice', ...times(2)], ['four', ...times(4)], ['hd', 1920, 1080], ['uhd', 3840, 2160], ['square', 2160, 2160], ['a4', 3508, 2480],
     ['a3', 4961, 3508], ['a1', 9933, 7016], ['most', mostSide, 9216],
-  ].filter(([, wide, high]) => wide <= mostSide && high <= mostSide);
+  ];
+  return all.filter(([, wide, high]) => wide <= mostSide && high <= mostSide);
 }

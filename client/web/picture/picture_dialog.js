@@ -65,7 +65,7 @@ export class PictureDialog {
   #page;
   #loading; // AbortController of the picture that is on its way
 
-  /** `page`: { overlays (messages), onPicture (what stands on the page's own picture), method() (the method's name, where the view leaves it open) } */
+  /** `page`: { overlays (messages), onPicture (what stands on the page's own picture), chosen (which method is drawn by) } */
   constructor(viewer, page) {
     this.#viewer = viewer;
     this.#page = page;
@@ -132,8 +132,7 @@ export class PictureDialog {
 
   get #name() {
     const { cloud, view } = this.#viewer;
-    const method = view.method === 'auto' ? this.#page.method() : view.method;
-    return pictureName({ cloud: cloud.id, method, ...this.#size, format: this.#format, date: new Date() });
+    return pictureName({ cloud: cloud.id, method: this.#page.chosen.method(view, cloud), ...this.#size, format: this.#format, date: new Date() });
   }
 
   #isPlain({ width, height }) { return width * height > mostComposed; }
@@ -170,7 +169,7 @@ export class PictureDialog {
 
   /** What is to stand on a picture of that size; as things are now, and not when the picture has come. */
   #parts(size) {
-    const { viewer } = { viewer: this.#viewer };
+    const viewer = this.#viewer;
     const { cloud, camera, bounds, cssSize } = viewer;
     const wants = (name) => find(`picture-${name}`).checked && !find(`picture-${name}`).disabled;
     const pose = poseOf(camera, bounds, size.width / size.height);

@@ -222,6 +222,8 @@ export class SavedViews {
     find('play-tour').disabled = stopsOf(tour, this.#views.list).length < 2;
   }
 
+  stop() { this.#player.stop(); }
+
   /** Plays it; ends it, where it is being played. */
   play() {
     if (this.isPlaying) {

@@ -24,31 +24,32 @@ ProjectTours projectOf(const std::vector<Saved>& views, double seconds, double p
     return project;
 }
 
-Expected<TourFlight> flown(const ProjectTours& project, const WordValues& changes = {}) {
+Expected<TourFlight> alongTour(const ProjectTours& project, const WordValues& changes = {}) {
     return TourFlight::create({}, project, project.tours[0], changes, {{0, 0, 0}, 10});
 }
 
 TourFlight flightOf(const ProjectTours& project) {
-    auto flight = flown(project);
+    auto flight = alongTour(project);
     EXPECT_TRUE(flight) << flight.error().message;
     return *flight;
 }
 
-std::string text(double x, double y, double z) {
+std::string spelled(double x, double y, double z) {
     return std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(z);
 }
 
-Saved around(double degrees, const std::string& method = "point") {
+Saved onOrbit(double degrees, const std::string& method = "point") {
     const double angle = degrees * std::numbers::pi / 180;
     return {std::to_string(degrees),
-            {{"eye", text(10 * std::cos(angle), 10 * std::sin(angle), 5)},
+            {{"eye", spelled(10 * std::cos(angle), 10 * std::sin(angle), 5)},
              {"target", "0,0,0"},
              {"method", method}}};
 }
 
 // An orbit: right because its eye stays as far from the axis and as high as its views are, and comes by each of them.
 TEST(TourFlight, AnOrbitStaysOne) {
-    const auto flight = flightOf(projectOf({around(0), around(90), around(180), around(270)}, 2, 0, true));
+    const auto flight =
+        flightOf(projectOf({onOrbit(0), onOrbit(90), onOrbit(180), onOrbit(270)}, 2, 0, true));
     EXPECT_DOUBLE_EQ(flight.seconds(), 8);
     for (double time = 0; time <= 8; time += 0.125) {
         const auto eye = flight.at(time).camera.eye;
@@ -61,7 +62,7 @@ TEST(TourFlight, AnOrbitStaysOne) {
 }
 
 TEST(TourFlight, RestsAtEachViewAndTakesItsStyle) {
-    const auto project = projectOf({around(0, "point"), around(60, "disc"), around(120, "cone")}, 2, 1);
+    const auto project = projectOf({onOrbit(0, "point"), onOrbit(60, "disc"), onOrbit(120, "cone")}, 2, 1);
     const auto flight = flightOf(project);
     EXPECT_DOUBLE_EQ(flight.seconds(), 7);
     EXPECT_EQ(flight.at(0), flight.at(1)) << "at rest";
@@ -82,7 +83,7 @@ TEST(TourFlight, RestsAtEachViewAndTakesItsStyle) {
 // Where it does not rest, it neither stops nor leaps at a view, however unevenly views lie.
 TEST(TourFlight, SpeedDoesNotJumpAtAViewWithoutAPause) {
     const auto line = [](double x, double y) {
-        return Saved{text(x, y, 0), {{"eye", text(x, y - 10, 4)}, {"target", text(x, y, 0)}}};
+        return Saved{spelled(x, y, 0), {{"eye", spelled(x, y - 10, 4)}, {"target", spelled(x, y, 0)}}};
     };
     const auto flight = flightOf(projectOf({line(0, 0), line(2, 0), line(30, 10), line(60, -10)}, 2, 0));
     const double h = 1e-5;
@@ -99,7 +100,7 @@ TEST(TourFlight, AlongALineItNeverGoesBack) {
     std::vector<Saved> views;
     for (const double x : {0.0, 1.0, 50.0, 51.0, 51.0, 200.0})
         views.push_back(
-            {std::to_string(views.size()), {{"eye", text(x, -10, 0)}, {"target", text(x, 0, 0)}}});
+            {std::to_string(views.size()), {{"eye", spelled(x, -10, 0)}, {"target", spelled(x, 0, 0)}}});
     const auto flight = flightOf(projectOf(views, 1, 0));
     double before = -1e-9;
     for (double time = 0; time <= 5; time += 0.02) {
@@ -135,23 +136,23 @@ TEST(TourFlight, FromTheTopToASideAndBackIntoPerspective) {
 
 TEST(TourFlight, WhatIsNoTourSaysWhy) {
     const auto why = [](const ProjectTours& project, const WordValues& changes = {}) {
-        const auto flight = flown(project, changes);
+        const auto flight = alongTour(project, changes);
         EXPECT_FALSE(flight);
         return flight ? std::string() : flight.error().message;
     };
-    EXPECT_NE(why(projectOf({around(0)}, 2, 1)).find("needs two saved views"), std::string::npos);
-    EXPECT_NE(why(projectOf({around(0), {"odd", {{"eye", "0,0"}}}}, 2, 1)).find("the view \"odd\": eye"),
+    EXPECT_NE(why(projectOf({onOrbit(0)}, 2, 1)).find("needs two saved views"), std::string::npos);
+    EXPECT_NE(why(projectOf({onOrbit(0), {"odd", {{"eye", "0,0"}}}}, 2, 1)).find("the view \"odd\": eye"),
               std::string::npos);
-    EXPECT_NE(why(projectOf({around(0), {"odd", {{"fvo", "60"}}}}, 2, 1)).find("fvo"), std::string::npos);
-    EXPECT_NE(why(projectOf({around(0),
+    EXPECT_NE(why(projectOf({onOrbit(0), {"odd", {{"fvo", "60"}}}}, 2, 1)).find("fvo"), std::string::npos);
+    EXPECT_NE(why(projectOf({onOrbit(0),
                              {"lies", {{"eye", "0,0,9"}, {"target", "0,0,0"}, {"up", "0,1,0"}}},
                              {"model", {{"eye", "0,1,9"}, {"target", "9,0,0"}, {"up", "0,1,0"}}}},
                             2, 1))
                   .find("another axis for up"),
               std::string::npos);
-    EXPECT_NE(why(projectOf({around(0), around(9)}, 2, 1), {{"fov", "30"}}).find("camera of a tour"),
+    EXPECT_NE(why(projectOf({onOrbit(0), onOrbit(9)}, 2, 1), {{"fov", "30"}}).find("camera of a tour"),
               std::string::npos);
-    const auto red = flown(projectOf({around(0), around(9)}, 2, 1), {{"color", "#ff0000"}});
+    const auto red = alongTour(projectOf({onOrbit(0), onOrbit(9)}, 2, 1), {{"color", "#ff0000"}});
     ASSERT_TRUE(red);
     EXPECT_EQ(red->at(3).style.method, "point");
 }

@@ -72,6 +72,15 @@ function swatch(color) {
   return made;
 }
 
+/** What stands at a legend's head. Pure. */
+export const legendTitle = ({ title, unit }) => (unit ? `${title} (${unit})` : title);
+
+/** Its lines, [{ text, color }]: classes with their colours, what else there is to say without. Pure. */
+export const legendLines = ({ classes, more, note }) => [
+  ...(classes ?? []).map(({ name, color }) => ({ text: name, color })),
+  ...(more > 0 ? [{ text: words.more(more) }] : []), ...(note ? [{ text: note }] : []),
+];
+
 export class Legend {
   #said = '';
   node = element('section', { id: 'plan-legend', hidden: true });
@@ -88,13 +97,13 @@ export class Legend {
     this.#said = said;
     this.node.hidden = !legend;
     if (!legend) return;
-    const title = element('h2', { textContent: legend.unit ? `${legend.title} (${legend.unit})` : legend.title });
+    const title = element('h2', { textContent: legendTitle(legend) });
     this.node.replaceChildren(title, ...(legend.classes ? this.#classes(legend) : this.#ramp(legend)));
   }
 
-  #classes({ classes, more }) {
-    const rows = classes.map(({ name, color }) => element('li', {}, swatch(color), element('span', { textContent: name })));
-    if (more > 0) rows.push(element('li', { textContent: words.more(more) }));
+  #classes(legend) {
+    const rows = legendLines(legend).map(({ text, color }) => (
+      color ? element('li', {}, swatch(color), element('span', { textContent: text })) : element('li', { textContent: text })));
     return [element('ul', {}, ...rows)];
   }
 

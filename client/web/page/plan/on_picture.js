@@ -7,7 +7,7 @@ import { focusOn, turnAbout } from '../../view/moves.js';
 import { element } from '../parameter_fields.js';
 import { planStrings } from '../strings/plan.js';
 import { Grid, planAxis } from './grid.js';
-import { Legend } from './legend.js';
+import { Legend, legendOf } from './legend.js';
 import { Minimap } from './minimap.js';
 import { ScaleBar } from './scale_bar.js';
 import { ViewCube } from './view_cube.js';
@@ -20,7 +20,7 @@ const usual = { cube: true, scaleBar: true, legend: true, grid: false, minimap: 
 const gap = 8; // CSS pixels between them and what else floats there
 /** What is left out, one after the other, where there is no room for all of them. */
 const rooms = ['enough', 'no-map', 'no-legend', 'no-cube', 'none'];
-const floating = '.title, .actions, .views, .card, #hud, #rail, #credit, #lack, #loading, #hint, #leave-presentation';
+const floating = '.title, .actions, .views, .card, #touring, #hud, #rail, #credit, #lack, #loading, #hint, #leave-presentation';
 
 /** What was chosen in this browser, whatever it kept. Pure. */
 export function chosenOf(kept) {
@@ -182,9 +182,18 @@ export class OnPicture {
     this.#showLegend();
   }
 
-  #showLegend() {
+  get #colours() {
     const { view, cloud } = this.#viewer;
-    this.#legend.show(this.#chosen.legend && cloud ? { view, cloud, ramps: this.#ramps, stats: this.#stats } : {});
+    return cloud ? { view, cloud, ramps: this.#ramps, stats: this.#stats } : {};
+  }
+
+  /** What the legend of the picture says (legendOf()), shown or not; undefined where colours need no words. */
+  get legend() {
+    return legendOf(this.#colours);
+  }
+
+  #showLegend() {
+    this.#legend.show(this.#chosen.legend ? this.#colours : {});
   }
 
   /** As the canvas shows the cloud now. */

@@ -80,7 +80,7 @@ export const measure = {
   redoTip: 'Do it again (Ctrl+Shift+Z)',
   files: 'Save and export',
   saveProject: 'Save project',
-  saveProjectTip: 'View and measurements as a file that this page opens again',
+  saveProjectTip: 'View, measurements, notes, saved views and tours as a file that this page opens again',
   openProject: 'Open project…',
   openProjectTip: 'A project file; it can also be dropped onto the picture',
   csvTip: 'A table with a row for each point, in the coordinates of the file',
@@ -108,7 +108,8 @@ export const measure = {
     linkFullDetail: (left) => `It leaves out ${left}. A project file holds all of them.`,
     saved: 'Saved',
     opened: 'Project opened',
-    openedDetail: (count) => (count === 1 ? 'One measurement' : `${count} measurements`),
+    openedDetail: ({ measures, notes, views }) => [[measures, 'measurement'], [notes, 'note'], [views, 'saved view']]
+      .filter(([list], i) => list.length > 0 || i === 0).map(([{ length }, one]) => `${length} ${length === 1 ? one : `${one}s`}`).join(', '),
     notOpened: 'The project was not opened',
     noCloud: (id) => `It is of the point cloud “${id}”, which this server does not have. Nothing has been changed.`,
     otherState: 'The scan has changed since',

@@ -305,10 +305,10 @@ describe('a project file', () => {
   ];
   const whole = () => JSON.parse(printProject({ cloud, view: 'cloud=town&method=auto', unit: 'ft', measures }));
   it('comes back as it was, with what a later version added', () => {
-    const text = printProject({ cloud, view: 'cloud=town&method=auto', unit: 'ft', measures, kept: { annotations: [{ text: 'here' }] } });
+    const text = printProject({ cloud, view: 'cloud=town&method=auto', unit: 'ft', measures, kept: { sections: [{ text: 'here' }] } });
     const read = parseProject(text);
     assert.deepEqual(read.measures.map((one) => ({ id: 1, ...one })), measures);
-    assert.deepEqual([read.cloud, read.view, read.unit, read.kept], [{ id: 'town', revision: 'r1' }, 'cloud=town&method=auto', 'ft', { annotations: [{ text: 'here' }] }]);
+    assert.deepEqual([read.cloud, read.view, read.unit, read.kept], [{ id: 'town', revision: 'r1' }, 'cloud=town&method=auto', 'ft', { sections: [{ text: 'here' }] }]);
     assert.equal(printProject({ cloud, view: read.view, unit: read.unit, measures: read.measures, kept: read.kept }), text);
   });
   it('that is none is refused with a sentence that names what is wrong', () => {

@@ -151,6 +151,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await page.reload();
     await waitUntilSharp(page);
     await page.click('#save-picture');
+    await page.click('#picture-save');
     await page.waitForFunction(() => document.getElementById('toast').textContent.includes('draws no snapshots'));
     page.complaints = page.complaints.filter((text) => !text.includes('503'));
     // Forgotten, and remembered on the device: another tab is let in, too.
@@ -595,6 +596,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await open();
     await waitUntilSharp(page);
     await page.click('#save-picture');
+    await page.click('#picture-save');
     await page.waitForSelector('#toast:not([hidden])');
     assert.match(await page.textContent('#toast'), /draws no snapshots/);
     page.complaints = page.complaints.filter((text) => !text.includes('503'));

@@ -213,8 +213,9 @@ describe('the page', { timeout: 240_000 }, () => {
   }));
 
   it('saves the picture in full quality and full size', () => withPage(async (page) => {
-    const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save-picture')]);
-    assert.equal(download.suggestedFilename(), 'ring.png');
+    await page.click('#save-picture');
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click('#picture-save')]);
+    assert.match(download.suggestedFilename(), /^ring-\d{4}-\d\d-\d\d-[a-z]+-960x600\.png$/);
     const png = readFileSync(await download.path());
     assert.equal(png.toString('latin1', 1, 4), 'PNG');
     assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [960, 600]);

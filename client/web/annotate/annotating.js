@@ -41,9 +41,11 @@ export class Annotating {
     const root = element('div', { id: 'notes', className: 'over', ariaHidden: 'true' });
     find('marks').after(root);
     this.#marks = new Marks(root, viewer);
+    let pressed; // id of the note whose label was
+    root.addEventListener('pointerdown', ({ target }) => { pressed = target.closest('.label')?.dataset.measure; });
     page.reading.hand.watch(root);
-    root.addEventListener('click', (event) => {
-      const { measure: id } = event.target.closest('.label')?.dataset ?? {};
+    root.addEventListener('click', () => {
+      const id = pressed;
       if (id === undefined || this.#isActive) return; // the hand has it, then
       this.activate(true);
       this.#select(Number(id));

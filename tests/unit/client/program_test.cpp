@@ -217,7 +217,7 @@ TEST_F(Program, PathFilmsATourOfAProject) {
             {"name": "a", "view": "eye=0,-9,3&target=0,0,3&method=point"}, {"name": "b", "view": "eye=8,-9,3&target=8,0,3&method=disc"}],
             "tours": [{"name": "Walk", "seconds": 1, "pause": 0}]})";
     };
-    write("");
+    write("town");
     const std::string command = "path --quiet --fps 4 " + fake.text() + " --project " + file + " -o ";
     const auto outcome = run(command + (folder_ / "frames").string() + " --tour Walk --shading phong");
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;

@@ -161,7 +161,8 @@ Expected<ProjectTours> parseProjectTours(std::string_view json) {
     ProjectTours project;
     FieldReader about(*cloud, "cloud");
     about.require("id");
-    about.text("id", project.cloud, 64);
+    if (about.text("id", project.cloud, 64) && project.cloud.empty())
+        about.error("id", "names no point cloud");
     if (auto ok = about.finishLenient(); !ok) return passOn(ok);
     if (auto ok = readViews(file, project); !ok) return passOn(ok);
     if (auto ok = readTours(file, project); !ok) return passOn(ok);

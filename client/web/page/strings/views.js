@@ -14,7 +14,7 @@ export const views = {
   later: '↓',
   laterNamed: (name) => `Move ${name} down`,
   update: 'Update',
-  updateNamed: (name) => `Replace ${name} by the view as it is now`,
+  updateNamed: (name) => `Update ${name}: the view as it is now`,
   remove: 'Delete',
   removeNamed: (name) => `Delete ${name}`,
   undo: 'Undo',

@@ -87,6 +87,21 @@ await take('measure', { viewport: { width: 1000, height: 580 } }, `cloud=${first
   }
 }, 46);
 
+// Two sides under a divider, and a note.
+await take('compare', { viewport: { width: 1000, height: 560 } }, `cloud=${first}&${near}&compare=method:point;color:classification;at:56`, async (page) => {
+  await page.keyboard.press('p');
+  await page.waitForSelector('#other-picture.drawn');
+  await page.waitForTimeout(500);
+  await page.keyboard.press('i');
+  await page.waitForSelector('#annotating:not([hidden])');
+  await page.mouse.click(500, 66);
+  await page.waitForSelector('#note-list input');
+  await page.keyboard.type('Scan it again from the north');
+  await page.keyboard.press('Tab');
+  await page.click('#close-annotating');
+  await page.waitForTimeout(2500); // the second picture, too
+}, 60);
+
 await browser.close();
 await proxy.stop();
 await server.stop();

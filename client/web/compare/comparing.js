@@ -88,7 +88,10 @@ export class Comparing {
     find('marks').after(this.#divider, ...this.#labels);
     this.#other = new Viewer(this.#canvas, this.#viewer.server, new EventTarget());
     this.#other.steerable = false;
-    this.#other.addEventListener('cloud', () => this.#follow());
+    this.#other.addEventListener('cloud', () => { // what was chosen while it was on its way
+      this.#follow();
+      this.#other.changeStyle(this.#style, 'program');
+    });
     this.#other.addEventListener('frame', () => this.#canvas.classList.add('drawn'));
     this.#other.addEventListener('problem', ({ detail }) => this.#page.overlays.toast(words.problem, detail?.detail || detail?.title || ''));
     this.#other.addEventListener('connection', ({ detail }) => {

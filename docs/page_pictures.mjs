@@ -90,7 +90,7 @@ await take('measure', { viewport: { width: 1000, height: 580 } }, `cloud=${first
 // Two sides under a divider, and a note.
 await take('compare', { viewport: { width: 1000, height: 560 } }, `cloud=${first}&${near}&compare=method:point;color:classification;at:56`, async (page) => {
   await page.keyboard.press('p');
-  await page.waitForSelector('#other-picture.drawn');
+  await page.waitForSelector('#other-side.drawn');
   await page.waitForTimeout(500);
   await page.keyboard.press('i');
   await page.waitForSelector('#annotating:not([hidden])');

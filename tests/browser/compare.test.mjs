@@ -33,7 +33,7 @@ describe('comparing', { timeout: 290_000 }, () => {
     await page.keyboard.press('k');
     await page.waitForSelector('#comparing:not([hidden])');
     await isTrue(() => server.sessions.size === 2, 'a session of its own');
-    await page.waitForSelector('#other-picture.drawn');
+    await page.waitForSelector('#other-side.drawn');
   };
   /** Of a screenshot, the share of red dots left and right of an x of the picture. */
   const redAt = async (x) => {
@@ -74,7 +74,7 @@ describe('comparing', { timeout: 290_000 }, () => {
     const divider = await page.locator('#divider').boundingBox();
     assert.ok(Math.abs(divider.x + divider.width / 2 - 600) < 2, 'it is where the hand let it go');
     await page.waitForFunction(() => /compare=method:point;color:elevation;at:62\.5/.test(location.hash));
-    assert.equal(await page.evaluate(() => getComputedStyle(document.getElementById('other-picture')).clipPath), 'inset(0px 0px 0px 62.5%)');
+    assert.equal(await page.evaluate(() => getComputedStyle(document.getElementById('other-side')).clipPath), 'inset(0px 0px 0px 62.5%)');
     // The hand goes through the right side, and both sides turn.
     await page.mouse.move(760, 300);
     await page.mouse.down();
@@ -109,7 +109,7 @@ describe('comparing', { timeout: 290_000 }, () => {
     assert.deepEqual(one.camera, other.camera);
     await page.reload();
     await waitUntilSharp(page);
-    await page.waitForSelector('#other-picture.drawn');
+    await page.waitForSelector('#other-side.drawn');
     assert.ok([...server.sessions].some(({ cloud }) => cloud.id === 'helix'), 'the link brings it back');
     await page.click('#tool-compare');
     await page.click('#tool-measure'); // one card at a time; both sides stay
@@ -118,8 +118,12 @@ describe('comparing', { timeout: 290_000 }, () => {
     await page.click('#tool-compare');
     await page.click('#close-comparing');
     await isTrue(() => server.sessions.size === 1, 'its session has ended');
-    assert.equal(await page.locator('#other-picture, #divider, .side').count(), 0);
+    assert.equal(await page.locator('#other-side, #divider, .side').count(), 0);
     await page.waitForFunction(() => !location.hash.includes('compare'));
+    await begin(); // and again
+    await page.selectOption('#compare-method', 'point');
+    await isTrue(() => views().some(({ method }) => method === 'point'), 'from its beginning');
+    assert.ok([...server.sessions].every(({ cloud }) => cloud.id === 'ring'));
   });
 
   for (const options of [{ colorScheme: 'light' }, { colorScheme: 'dark', viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }]) {
@@ -128,7 +132,7 @@ describe('comparing', { timeout: 290_000 }, () => {
       page = await openPage(browser, url, options);
       await waitUntilSharp(page);
       await page.click('#tool-compare');
-      await page.waitForSelector('#other-picture.drawn');
+      await page.waitForSelector('#other-side.drawn');
       await page.selectOption('#compare-method', 'point');
       await page.waitForTimeout(300);
       await page.evaluate(axe);

@@ -25,8 +25,8 @@ export class Comparing {
   #sides = /** @type {any} */ ({ ...usualSides });
   #isActive = false; // its card is open
   #isOn = false; // there are two pictures
-  #other; // the viewer of the right side
-  #canvas;
+  #other; // the viewer of the right side, made once: what it draws with is dear
+  #side = element('div', { id: 'other-side', ariaHidden: 'true' }); // all that it draws on is in there, and cut off with it
   #divider = element('div', { id: 'divider', tabIndex: 0 });
   #labels = [element('span', { className: 'side left' }), element('span', { className: 'side right' })];
 
@@ -53,12 +53,9 @@ export class Comparing {
 
   get isActive() { return this.#isActive; }
 
-  /** The first press begins it, and opens the card; another one closes the card, or ends all of it where the card is what was open. */
+  /** Its card: what begins with that goes on without, until end(). */
   activate(isActive = !this.#isActive) {
-    if (isActive === this.#isActive) {
-      if (!isActive) this.end();
-      return;
-    }
+    if (isActive === this.#isActive) return;
     this.#isActive = isActive;
     find('comparing').hidden = !isActive;
     if (isActive && !this.#isOn) this.#start();
@@ -82,23 +79,30 @@ export class Comparing {
   #start() {
     this.#isOn = true;
     document.body.classList.add('comparing');
-    this.#canvas = element('canvas', { id: 'other-picture', ariaHidden: 'true' });
     // Under what tools draw onto the picture. The hand goes through it, to the picture below.
-    find('view').after(this.#canvas);
+    find('view').after(this.#side);
     find('marks').after(this.#divider, ...this.#labels);
-    this.#other = new Viewer(this.#canvas, this.#viewer.server, new EventTarget());
-    this.#other.steerable = false;
-    this.#other.addEventListener('cloud', () => { // what was chosen while it was on its way
-      this.#follow();
-      this.#other.changeStyle(this.#style, 'program');
-    });
-    this.#other.addEventListener('frame', () => this.#canvas.classList.add('drawn'));
-    this.#other.addEventListener('problem', ({ detail }) => this.#page.overlays.toast(words.problem, detail?.detail || detail?.title || ''));
-    this.#other.addEventListener('connection', ({ detail }) => {
-      if (detail.kind === 'gone' || detail.kind === 'failed') this.#page.overlays.toast(words.problem, strings.cover.unknown(detail.cloud ?? this.#sides.cloud ?? ''));
-    });
+    this.#other ??= this.#made();
     this.#begin();
     this.#place();
+  }
+
+  #made() {
+    const canvas = element('canvas', { id: 'other-picture' });
+    this.#side.append(canvas);
+    const other = new Viewer(canvas, this.#viewer.server, new EventTarget());
+    other.steerable = false;
+    other.addEventListener('cloud', () => { // what was chosen while it was on its way
+      this.#follow();
+      other.changeStyle(this.#style, 'program');
+    });
+    other.addEventListener('frame', () => this.#isOn && this.#side.classList.add('drawn'));
+    const on = (name, act) => other.addEventListener(name, (/** @type {any} */ { detail }) => act(detail));
+    on('problem', (detail) => this.#page.overlays.toast(words.problem, detail?.detail || detail?.title || ''));
+    on('connection', (detail) => {
+      if (detail.kind === 'gone' || detail.kind === 'failed') this.#page.overlays.toast(words.problem, strings.cover.unknown(detail.cloud ?? this.#sides.cloud ?? ''));
+    });
+    return other;
   }
 
   /** The right side from its beginning: of this cloud or the other one, from where the left one looks. */
@@ -119,8 +123,8 @@ export class Comparing {
     if (this.#isOn) {
       this.#isOn = false;
       this.#other.stop();
-      this.#other = undefined;
-      for (const node of [this.#canvas, this.#divider, ...this.#labels]) node.remove();
+      this.#side.classList.remove('drawn');
+      for (const node of [this.#side, this.#divider, ...this.#labels]) node.remove();
       document.body.classList.remove('comparing');
       this.#sides = { ...usualSides };
       this.#page.changed();

@@ -45,7 +45,6 @@ export class Galleries {
   /** `pictures()`: [{ changes, place }], what else the gallery of views has pictures of: how that differs from the view, and where it goes. */
   also(pictures) {
     this.#others = pictures;
-    this.#ask();
   }
 
   /** What is to be seen there is something else. */

@@ -46,6 +46,7 @@ export class SavedViews {
   #tours;
   #chosen = ''; // the tour's name
   #player;
+  #pictured = ''; // the views that the gallery has been asked for pictures of
 
   /** `page`: { keeping (the project), hash() (the view as an address says it), overlays (messages), galleries (whose pictures these are among) } */
   constructor(viewer, page) {
@@ -154,7 +155,9 @@ export class SavedViews {
     find('saved-list').replaceChildren(...list.map((saved, i) => this.#row(saved, i, pictures.get(saved.view))));
     if (focused && !this.#focus(focused)) find('save-view').focus();
     this.#showTour();
-    this.#page.galleries.renew();
+    const shown = list.map(({ view }) => view).join('\n');
+    if (shown !== this.#pictured) this.#page.galleries.renew();
+    this.#pictured = shown;
   }
 
   #focus(key, selects = false) {

@@ -36,6 +36,7 @@ set(SCANCAST_WEB_FILES
     measure/measures.js
     measure/measuring.js
     measure/panel.js
+    measure/picking.js
     measure/places.js
     measure/project.js
     measure/reading.js

@@ -285,7 +285,7 @@ const shortcuts = {
   4: () => viewer.showStandardView('back'), 5: () => viewer.showStandardView('left'), 6: () => viewer.showStandardView('bottom'),
   7: () => onPicture.togglePlan(), g: () => onPicture.toggle('grid'), n: () => onPicture.toggle('minimap'),
   Enter: (event) => viewer.goToMiddle(event.shiftKey),
-  c: toggleColliding, l: () => setLooking(!viewer.looksAround), o: () => viewer.toggleProjection(), p: () => layout.toggle(), t: () => tools.playTour(), '?': () => overlays.toggleHelp(),
+  c: toggleColliding, l: () => setLooking(!viewer.looksAround), o: () => viewer.toggleProjection(), p: () => layout.toggle(), j: () => tools.playTour(), '?': () => overlays.toggleHelp(),
 };
 
 addEventListener('keydown', (event) => {

@@ -197,7 +197,7 @@ describe('notes, saved views and tours', { timeout: 290_000 }, () => {
       viewer.addEventListener('camera', () => globalThis.seen.push([...viewer.view.camera.eye, viewer.view.color]));
     });
     await page.keyboard.press('h'); // in a presentation, too
-    await page.keyboard.press('t');
+    await page.keyboard.press('j');
     await page.waitForFunction(() => document.getElementById('view').viewer.view.color === 'elevation');
     assert.match(await page.textContent('#touring'), /2 of 2: N/);
     await page.waitForTimeout(500);
@@ -214,7 +214,7 @@ describe('notes, saved views and tours', { timeout: 290_000 }, () => {
     assert.ok(onTheWay[0][3] === 'rgb', 'the style stays until it has arrived');
     await page.emulateMedia({ reducedMotion: 'reduce' });
     await page.evaluate(() => { globalThis.seen = []; });
-    await page.keyboard.press('t');
+    await page.keyboard.press('j');
     await page.waitForFunction(() => globalThis.seen.length >= 2);
     assert.ok((await page.evaluate(() => globalThis.seen)).every(([x, y, z]) => isNear([x, y, z], at(10, -14, 14), 1e-6) || isNear([x, y, z], at(10, 30, 3), 1e-6)));
     await page.mouse.move(700, 300); // a hand on the picture stops it

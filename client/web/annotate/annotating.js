@@ -4,12 +4,11 @@
 import { axesText } from '../measure/coordinates.js';
 import { stepOf } from '../measure/hand.js';
 import { Marks } from '../measure/marks.js';
+import { pickOr } from '../measure/picking.js';
 import { zoomTo } from '../measure/zoom.js';
 import { putCard } from '../page/lazy_tools.js';
 import { element } from '../page/parameter_fields.js';
-import { strings } from '../page/strings.js';
 import { annotate as words } from '../page/strings/annotate.js';
-import { measure } from '../page/strings/measure.js';
 import { card } from './card.js';
 import { NoteList } from './note_list.js';
 import { mostNotes, pointOf } from './notes.js';
@@ -38,7 +37,7 @@ export class Annotating {
     this.#page = page;
     this.#notes = page.keeping.notes;
     putCard(card, words);
-    const root = element('div', { id: 'notes', className: 'over', ariaHidden: 'true' });
+    const root = element('div', { id: 'notes', className: 'over marks', ariaHidden: 'true' });
     find('marks').after(root);
     this.#marks = new Marks(root, viewer);
     let pressed; // id of the note whose label was
@@ -117,18 +116,11 @@ export class Annotating {
 
   /** The scan's point there; says why where there is none, or undefined where another one is wanted by now. */
   async #pick(cursor) {
-    const { overlays, reading } = this.#page;
     this.#coming += 1;
     const number = this.#coming;
-    try {
-      const found = await this.#viewer.pickAt(cursor);
-      if (!found) overlays.toast(measure.messages.nothing, measure.messages.nothingDetail);
-      else reading.coordinates.exact(found.position, stepOf(found), cursor);
-      return number === this.#coming ? found : undefined;
-    } catch (/** @type {any} */ error) {
-      overlays.toast(measure.messages.failed, error.title ? error.message : strings.messages.noAnswer);
-      return undefined;
-    }
+    const found = await pickOr(this.#viewer, this.#page.overlays, cursor);
+    if (found) this.#page.reading.coordinates.exact(found.position, stepOf(found), cursor);
+    return number === this.#coming ? found : undefined;
   }
 
   async #add(cursor) {

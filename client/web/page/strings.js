@@ -55,7 +55,7 @@ export const strings = {
     views: 'Views',
     annotate: 'Notes',
     annotateTip: 'Notes at points of the scan (I)',
-    viewsTip: 'Suggested and saved views of this scan (V); T plays a tour',
+    viewsTip: 'Suggested and saved views of this scan (V); J plays a tour',
     compare: 'Compare',
     compareTip: 'Compare two methods, colourings or clouds (K)',
     picture: 'Picture',

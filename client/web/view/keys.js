@@ -33,7 +33,7 @@ export const keyTable = [
   ['M', 'measure; then Space takes the point in the middle'],
   ['X', 'cut by boxes'],
   ['I', 'notes'],
-  ['V T', 'suggested and saved views; play a tour'],
+  ['V J', 'suggested and saved views; play a tour'],
   ['K', 'compare two methods, colourings or clouds'],
   ['H', 'presentation: the picture and nothing else'],
   ['Ctrl Z', 'previous view (with Shift: the next)'],

@@ -20,7 +20,7 @@ export const views = {
   undo: 'Undo',
   undoTip: 'Take back the last change of the saved views',
   play: 'Play tour',
-  playTip: 'Fly from one saved view to the next (T); Esc stops',
+  playTip: 'Fly from one saved view to the next (J); Esc stops',
   tour: 'Tour',
   tours: 'Which tour',
   seconds: 'Seconds between views',

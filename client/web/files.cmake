@@ -14,6 +14,9 @@ set(SCANCAST_WEB_FILES
     connection/server.js
     connection/session.js
     connection/stores.js
+    export/asking.js
+    export/region.js
+    export/saving.js
     measure/answers.js
     measure/beginning.js
     measure/card.js
@@ -28,6 +31,7 @@ set(SCANCAST_WEB_FILES
     measure/measures.js
     measure/measuring.js
     measure/panel.js
+    measure/picking.js
     measure/places.js
     measure/project.js
     measure/reading.js
@@ -70,9 +74,19 @@ set(SCANCAST_WEB_FILES
     page/strings/clip.js
     page/strings/measure.js
     page/strings/plan.js
+    page/strings/profile.js
     page/themes.js
     page/thumbnails.js
     page/tools.js
+    profile/asking.js
+    profile/card.js
+    profile/line.js
+    profile/line_marks.js
+    profile/paint.js
+    profile/panel.js
+    profile/plot.js
+    profile/plot_view.js
+    profile/profiling.js
     protocol/frame_depth.js
     protocol/frame_header.js
     protocol/view_words.js
@@ -83,6 +97,7 @@ set(SCANCAST_WEB_FILES
     styles/panel.css
     styles/photos.css
     styles/plan.css
+    styles/profile.css
     styles/rail.css
     styles/state.css
     styles/style.css

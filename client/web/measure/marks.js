@@ -63,11 +63,11 @@ class Mark {
   middles;
   labels;
 
-  /** `look`: { selected, drawn (by the hand, just now), pending (which points are not picked yet), text and leg(length) (a label's words), heights (as for figureOf()) } */
+  /** `look`: { selected, drawn (by the hand, just now), pending (which points are not picked yet), text and leg(length) (a label's words), heights (as for figureOf()), figure (in place of what figureOf() says) } */
   constructor(measure, look, layers) {
     this.measure = measure;
     this.look = look;
-    const { lines, helpers, label, legs } = figureOf(measure, look.heights);
+    const { lines, helpers, label, legs } = look.figure ?? figureOf(measure, look.heights);
     this.#lines = lines.flatMap((line) => pieces(line, piecesOfLine));
     this.#helpers = helpers.flatMap((line) => pieces(line, piecesOfHelper));
     this.#group = svg('g', `measure${look.selected ? ' selected' : ''}${look.drawn ? ' drawn' : ''}`, layers.svg);

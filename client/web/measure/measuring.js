@@ -3,7 +3,6 @@
 
 import { deviceStore } from '../connection/stores.js';
 import { putCard } from '../page/lazy_tools.js';
-import { strings } from '../page/strings.js';
 import { measure as words } from '../page/strings/measure.js';
 import { fit, radiusOf } from '../view/camera.js';
 import { usualUpAxis } from '../view/usual.js';
@@ -16,6 +15,7 @@ import { Keeping } from './keeping.js';
 import { Marks } from './marks.js';
 import { Measures, mostMeasures } from './measures.js';
 import { Panel } from './panel.js';
+import { pickOr } from './picking.js';
 import { exactText, heightFactor, measuresLengths, unitOf, unitsFor, valueText } from './units.js';
 import { boundsOf, valuesOf } from './values.js';
 
@@ -182,7 +182,7 @@ export class Measuring {
     this.#selected = undefined;
     const place = draft.add(this.#viewer.surfaceAt(cursor)?.point);
     this.#show();
-    const found = await this.#pick(cursor);
+    const found = await pickOr(this.#viewer, this.#page.overlays, cursor);
     if (draft !== this.#draft || !draft.places.includes(place)) return; // given up meanwhile
     draft.settle(place, found);
     if (found) {
@@ -203,19 +203,6 @@ export class Measuring {
     const step = [measure.step, measure.step, measure.step];
     this.#draft.settle(this.#draft.add(measure.points[index]), { position: measure.points[index], precision: step, ...measure.more });
     this.#settled();
-  }
-
-  /** The scan's point there; says why where there is none. */
-  async #pick(cursor) {
-    const { overlays } = this.#page;
-    try {
-      const found = await this.#viewer.pickAt(cursor);
-      if (!found) overlays.toast(words.messages.nothing, words.messages.nothingDetail);
-      return found;
-    } catch (/** @type {any} */ error) {
-      overlays.toast(words.messages.failed, error.title ? error.message : strings.messages.noAnswer);
-      return undefined;
-    }
   }
 
   #settled() {
@@ -295,7 +282,7 @@ export class Measuring {
   /** Puts a point of a measure, or a new one, to the scan's point at the cursor. */
   async #movePoint({ id, index, isNew = false, cursor }) {
     const measure = this.#measures.find(id);
-    const found = measure && (await this.#pick(cursor));
+    const found = measure && (await pickOr(this.#viewer, this.#page.overlays, cursor));
     const now = this.#measures.find(id);
     if (!found || now !== measure) return;
     const step = stepOf(found);

@@ -30,6 +30,10 @@ export class PageTools {
         load: async (active) => new (await import('../clip/clipping.js')).Clipping(viewer, active),
       } },
     ];
+    this.#lazy.add({
+      id: 'profile', label: words.profile, tip: words.profileTip, icon: 'profile', key: 't', styles: ['card.css', 'measure.css', 'profile.css'],
+      load: async (active) => new (await import('../profile/profiling.js')).Profiling(viewer, { ...page, reading, active }),
+    });
     acceptDrops(async (file) => (await this.#lazy.get('measure'))?.open(file));
   }
 

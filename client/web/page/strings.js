@@ -52,6 +52,8 @@ export const strings = {
     measureTip: 'Measure: distances, heights, angles, areas, circles (M)',
     clip: 'Cut',
     clipTip: 'Cut the scan by boxes and half-spaces (X)',
+    profile: 'Profile',
+    profileTip: 'Profile along a line (T)',
     views: 'Views',
     viewsTip: 'Suggested views of this scan (V)',
     picture: 'Picture',

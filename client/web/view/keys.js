@@ -32,6 +32,7 @@ export const keyTable = [
   ['O', 'perspective or orthographic'],
   ['M', 'measure; then Space takes the point in the middle'],
   ['X', 'cut by boxes'],
+  ['T', 'profile along a line'],
   ['V', 'suggested views'],
   ['H', 'presentation: the picture and nothing else'],
   ['Ctrl Z', 'previous view (with Shift: the next)'],
@@ -67,7 +68,7 @@ export function isForView(event) {
   if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing || event.defaultPrevented) return false;
   const { target, key } = event;
   if (typeof target?.closest !== 'function') return true;
-  if (target.closest('dialog') || isTextField(target) || isOpenMenu(target)) return false;
+  if (target.closest('dialog, [data-own-keys]') || isTextField(target) || isOpenMenu(target)) return false;
   if (target.closest(fields)) return !worksFields.includes(key);
   return !target.closest(buttons) || !worksButtons.includes(key);
 }

@@ -15,6 +15,8 @@ set(SCANCAST_WEB_FILES
     connection/session.js
     connection/stores.js
     export/asking.js
+    export/card.js
+    export/exporting.js
     export/region.js
     export/saving.js
     measure/answers.js
@@ -72,6 +74,7 @@ set(SCANCAST_WEB_FILES
     page/stations.js
     page/strings.js
     page/strings/clip.js
+    page/strings/export.js
     page/strings/measure.js
     page/strings/plan.js
     page/strings/profile.js
@@ -92,6 +95,7 @@ set(SCANCAST_WEB_FILES
     protocol/view_words.js
     styles/card.css
     styles/clip.css
+    styles/export.css
     styles/fields.css
     styles/measure.css
     styles/panel.css

@@ -18,7 +18,8 @@ if (!program) throw new Error('Set SCANCAST_PROGRAM, such as SCANCAST_PROGRAM=bu
 const axe = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
 
 const at = (x, y, z = 0) => [x, y, z].map((value, axis) => value + courtOrigin[axis]);
-const fromAbove = `eye=${at(10, 9, 26)}&target=${at(10, 9.5, 0)}&up=0,0,1&projection=perspective&fov=45`; // the wall hides nothing
+/** The wall hides nothing then; from higher up, where there is less room. */
+const fromAbove = (height) => `eye=${at(10, 9, height)}&target=${at(10, 9.5, 0)}&up=0,0,1&projection=perspective&fov=45`;
 
 describe('a profile', { timeout: 250_000 }, () => {
   let scan, server, browser, url;
@@ -48,10 +49,11 @@ describe('a profile', { timeout: 250_000 }, () => {
     page.on('response', (response) => { if (response.url().endsWith('/pick')) page.picks += 1; });
     await page.addInitScript(() => { globalThis.showSaveFilePicker = undefined; }); // a dialog that no test can answer
     try {
-      await page.goto(`${url}#cloud=court&${fromAbove}`);
+      await page.goto(`${url}#cloud=court&${fromAbove(options.isMobile ? 85 : 26)}`);
       await waitUntilSharp(page, 40_000);
       await use(page);
-      assert.deepEqual(seriousComplaints(page), []);
+      // The server may still be busy with a picture that the page has given up; then the page asks again.
+      assert.deepEqual(seriousComplaints(page).filter((text) => !/status of (429|503)/.test(text)), []);
     } finally {
       await context.close();
     }

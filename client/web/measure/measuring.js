@@ -17,7 +17,7 @@ import { Measures, mostMeasures } from './measures.js';
 import { Panel } from './panel.js';
 import { pickOr } from './picking.js';
 import { exactText, heightFactor, measuresLengths, unitOf, unitsFor, valueText } from './units.js';
-import { boundsOf, valuesOf } from './values.js';
+import { boundsOf, kinds, valuesOf } from './values.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
@@ -78,6 +78,9 @@ export class Measuring {
   }
 
   get isActive() { return this.#isActive; }
+
+  /** Outlines that have been measured, for what is asked of the points within: [{ name, points }]. */
+  get outlines() { return this.#measures.list.filter(({ kind }) => kinds[kind].closed).map(({ name, points }) => ({ name, points })); }
 
   activate(isActive = !this.#isActive) {
     if (isActive === this.#isActive) return;

@@ -10,6 +10,7 @@ const drawings = {
   annotate: 'M5 5h14v10h-7l-4 4v-4H5z',
   views: 'M3.5 5h7.5v6H3.5zM13 5h7.5v6H13zM3.5 13h7.5v6H3.5zM13 13h7.5v6H13z',
   picture: 'M4 8h3.2L9 5.5h6L16.8 8H20v11H4zM12 10a3.4 3.4 0 1 0 0 6.8 3.4 3.4 0 0 0 0-6.8',
+  export: 'M12 3.5v11m0 0-4-4m4 4 4-4M4.5 15v4.5h15V15',
   present: 'M3 4.5h18M4.5 4.5v10.5h15V4.5M12 15v2.5m0 0L8.5 21m3.5-3.5 3.5 3.5M10.5 7.5v4.5l3.8-2.2z',
   kindPoint: 'M12 9a3 3 0 1 0 0 6 3 3 0 0 0 0-6M12 3v3m0 12v3M3 12h3m12 0h3',
   kindDistance: 'M5 19 19 5M3 17l4 4M17 3l4 4',

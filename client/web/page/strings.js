@@ -58,6 +58,8 @@ export const strings = {
     viewsTip: 'Suggested views of this scan (V)',
     picture: 'Picture',
     pictureTip: 'Save this view as a picture, in full quality',
+    export: 'Export',
+    exportTip: 'Export points as LAS, PLY or CSV',
     present: 'Present',
     presentTip: 'Presentation mode: the picture and nothing else (H)',
     notLoaded: 'This tool could not be loaded',

@@ -2,7 +2,7 @@
 // points are the scan's own, as measures' are; what counts of the scan is what the view shows of it: classes, boxes.
 
 import { mostShapes } from '../clip/box.js';
-import { post } from '../export/asking.js';
+import { postSoon } from '../export/asking.js';
 import { chooseTarget, downloadBlob, save } from '../export/saving.js';
 import { Draft } from '../measure/draft.js';
 import { stepOf } from '../measure/hand.js';
@@ -289,7 +289,7 @@ export class Profiling {
     const { plot } = this.#panel;
     if (!plot.view) this.#panel.say(words.asking);
     try {
-      const response = await post(this.#viewer.server, this.#cloud.id, 'profile', question, asking.signal);
+      const response = await postSoon(this.#viewer.server, this.#cloud.id, 'profile', question, asking.signal);
       const told = toldBy(response);
       const image = await createImageBitmap(await response.blob());
       if (this.#asking === asking) use(told, image);
@@ -319,7 +319,7 @@ export class Profiling {
       else {
         const target = await chooseTarget(name, format);
         if (!target) return;
-        const response = await post(this.#viewer.server, this.#cloud.id, 'profile', pointsQuestion(this.#profile, this.#viewer.view, format));
+        const response = await postSoon(this.#viewer.server, this.#cloud.id, 'profile', pointsQuestion(this.#profile, this.#viewer.view, format));
         await save(response, target, () => {});
       }
       overlays.toast(words.saved, name, 'done');

@@ -5,6 +5,7 @@ import { describe, it } from 'node:test';
 
 import { axesOf } from '../../../client/web/clip/box.js';
 import { coloursOf, countIn, fileName, limitsOf, regionOf } from '../../../client/web/export/region.js';
+import { save } from '../../../client/web/export/saving.js';
 import { partQuestion, pointsQuestion, wholeQuestion } from '../../../client/web/profile/asking.js';
 import { boxesAround, lengthOf, lineOf, nearestStation, outlineOf, partOf, placeAt, stationsOf } from '../../../client/web/profile/line.js';
 import { apart, edgesOf, exaggerated, fitted, fromPixel, nearestDrawn, panned, ticks, toPixel, usualExaggeration, zoomed } from '../../../client/web/profile/plot_view.js';
@@ -168,5 +169,33 @@ describe('what the server is asked', () => {
     assert.equal(countIn(new TextEncoder().encode('x,y,z\n1,2,3\n')), undefined);
     assert.equal(fileName('attachment; filename="town-part.las"', 'town', '', 'las'), 'town-part.las');
     assert.equal(fileName(null, 'town', 'cut', 'ply'), 'town-cut.ply');
+  });
+});
+
+describe('a file that is saved while it comes', () => {
+  /** { target, log }: what happened to it. */
+  const target = () => {
+    const log = /** @type {any[]} */ ([]);
+    return { log, target: { name: 'x', begin: async () => ({ write: async (chunk) => log.push([...chunk]), close: async () => log.push('closed'), abort: async () => log.push('aborted') }) } };
+  };
+  const answer = (chunks, end) => new Response(new ReadableStream({
+    async pull(controller) {
+      if (chunks.length > 0) controller.enqueue(Uint8Array.from(chunks.shift()));
+      else end(controller);
+    },
+  }));
+
+  it('is all there, or not there', async () => {
+    const whole = target();
+    const told = /** @type {number[]} */ ([]);
+    assert.equal(await save(answer([[1, 2], [3]], (controller) => controller.close()), whole.target, (bytes) => told.push(bytes)), 3);
+    assert.deepEqual([whole.log, told], [[[1, 2], [3], 'closed'], [2, 3]]);
+    const broken = target();
+    await assert.rejects(save(answer([[1, 2]], (controller) => controller.error(new TypeError('terminated'))), broken.target, () => {}), TypeError);
+    assert.deepEqual(broken.log, [[1, 2], 'aborted']);
+    const stopped = target();
+    const stop = new AbortController();
+    await assert.rejects(save(answer([[1], [2], [3]], () => {}), stopped.target, () => stop.abort(), stop.signal), { name: 'AbortError' });
+    assert.deepEqual(stopped.log, [[1], 'aborted']);
   });
 });

@@ -26,6 +26,7 @@ set(SCANCAST_WEB_FILES
     measure/draft.js
     measure/export.js
     measure/files.js
+    measure/fits.js
     measure/hand.js
     measure/keeping.js
     measure/link.js

@@ -73,7 +73,7 @@ class Mark {
     this.#group = svg('g', `measure${look.selected ? ' selected' : ''}${look.drawn ? ' drawn' : ''}`, layers.svg);
     this.#paths = Object.fromEntries(['fill', 'halo', 'behind', 'helper', 'line'].map((name) => [name, svg('path', name, this.#group)]));
     this.dots = measure.points.map((point, i) => this.#handle(point, `point${look.pending?.[i] ? ' pending' : ''}`, i));
-    this.middles = look.selected && measure.points.length < kinds[measure.kind].most ? this.#middles() : [];
+    this.middles = look.selected && !kinds[measure.kind].fits && measure.points.length < kinds[measure.kind].most ? this.#middles() : [];
     this.labels = [
       ...(look.text ? [this.#label(label, look.text, 'value', layers.labels)] : []),
       ...(look.selected || look.drawn ? legs.map(({ at, length }) => this.#label(at, look.leg(length), 'leg', layers.labels)) : []),

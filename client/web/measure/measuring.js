@@ -171,7 +171,7 @@ export class Measuring {
     this.#place(cursor);
   }
 
-  /** How near to a point those of its cylinder are at first: some spacings of the scan, and as far as a column is thick. */
+  /** How near to a point those are at first that a shape is fitted to: some spacings of the scan, and as far as a column is thick. */
   get #usualWithin() {
     const { factor } = unitOf(this.#cloud?.crsUnit, 'm');
     return Number(Math.max(10 * (this.#cloud?.spacing ?? 0), 0.25 / factor).toPrecision(2));
@@ -179,7 +179,7 @@ export class Measuring {
 
   /** The next point, at the cursor. */
   async #place(cursor) {
-    const draft = this.#draft ?? new Draft(this.#kind, usualUpAxis(this.#viewer.cloud), this.#kind === 'cylinder' ? this.#usualWithin : undefined);
+    const draft = this.#draft ?? new Draft(this.#kind, usualUpAxis(this.#viewer.cloud), kinds[this.#kind].fits ? this.#usualWithin : undefined);
     if (!this.#cloud || !draft.takesMore) return;
     this.#draft = draft;
     this.#selected = undefined;

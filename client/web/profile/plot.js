@@ -74,13 +74,15 @@ export class Plot {
 
   /** A picture of a part of it: { image, left, right, bottom, top }; undefined where nothing is. */
   show(picture) {
-    this.#picture = picture;
+    this.#picture = undefined;
     if (picture) {
       const { image } = picture;
       const canvas = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height });
       const context = canvas.getContext('2d', { willReadFrequently: true });
       context.drawImage(image, 0, 0);
       this.#pixels = context.getImageData(0, 0, image.width, image.height);
+      image.close(); // a bitmap is memory of the browser's, not of this page's
+      this.#picture = { ...picture, image: canvas };
     } else this.#pixels = undefined;
     this.paint();
   }

@@ -103,6 +103,7 @@ export class Profiling {
       find('profile-unit').textContent = unitOf(cloud.crsUnit, undefined).name;
       this.#panel.show(false, cloud);
     }
+    find('profile-only').hidden = !Object.hasOwn(cloud.view ?? {}, 'clips'); // an older server
     this.#show();
   }
 

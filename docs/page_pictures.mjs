@@ -76,6 +76,7 @@ await take('measure', { viewport: { width: 1000, height: 580 } }, `cloud=${first
   await page.keyboard.press('p');
   await page.waitForTimeout(500);
   await page.keyboard.press('m');
+  await page.waitForSelector('#measuring', { state: 'visible' });
   for (const [kind, places] of [['height', [[499, 170], [500, 66]]], ['area', [[470, 462], [570, 458], [575, 506], [458, 510]]], ['distance', [[702, 430], [664, 312], [628, 242]]]]) {
     await page.check(`#measure-kinds input[value=${kind}]`);
     for (const [x, y] of places) {
@@ -100,6 +101,23 @@ await take('compare', { viewport: { width: 1000, height: 560 } }, `cloud=${first
   await page.keyboard.press('Tab');
   await page.click('#close-annotating');
   await page.waitForTimeout(2500); // the second picture, too
+}, 60);
+
+// A profile along three points, and a measurement in it.
+await take('profile', { viewport: { width: 1000, height: 660 } }, `cloud=${first}&${near}`, async (page) => {
+  await page.keyboard.press('p');
+  await page.waitForTimeout(500);
+  await page.keyboard.press('t');
+  await page.waitForSelector('#profiling', { state: 'visible' });
+  for (const [x, y] of [[470, 300], [610, 420], [760, 330]]) {
+    await page.mouse.click(x, y);
+    await page.waitForTimeout(900);
+  }
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => document.getElementById('profile-said').textContent !== '', undefined, { timeout: 30_000 });
+  await page.waitForTimeout(2500);
+  const { x, y, width, height } = await page.locator('#profile-plot').boundingBox();
+  for (const [u, v] of [[0.36, 0.82], [0.47, 0.3]]) await page.mouse.click(x + u * width, y + v * height);
 }, 60);
 
 await browser.close();

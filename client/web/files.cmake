@@ -21,6 +21,11 @@ set(SCANCAST_WEB_FILES
     connection/server.js
     connection/session.js
     connection/stores.js
+    export/asking.js
+    export/card.js
+    export/exporting.js
+    export/region.js
+    export/saving.js
     measure/answers.js
     measure/beginning.js
     measure/card.js
@@ -29,6 +34,7 @@ set(SCANCAST_WEB_FILES
     measure/draft.js
     measure/export.js
     measure/files.js
+    measure/fits.js
     measure/hand.js
     measure/keeping.js
     measure/link.js
@@ -81,9 +87,11 @@ set(SCANCAST_WEB_FILES
     page/strings/annotate.js
     page/strings/clip.js
     page/strings/compare.js
+    page/strings/export.js
     page/strings/measure.js
     page/strings/picture.js
     page/strings/plan.js
+    page/strings/profile.js
     page/strings/views.js
     page/themes.js
     page/thumbnails.js
@@ -91,6 +99,15 @@ set(SCANCAST_WEB_FILES
     picture/file_name.js
     picture/furniture.js
     picture/picture_dialog.js
+    profile/asking.js
+    profile/card.js
+    profile/line.js
+    profile/line_marks.js
+    profile/paint.js
+    profile/panel.js
+    profile/plot.js
+    profile/plot_view.js
+    profile/profiling.js
     protocol/frame_depth.js
     protocol/frame_header.js
     protocol/view_words.js
@@ -98,12 +115,14 @@ set(SCANCAST_WEB_FILES
     styles/card.css
     styles/clip.css
     styles/compare.css
+    styles/export.css
     styles/fields.css
     styles/measure.css
     styles/panel.css
     styles/photos.css
     styles/picture.css
     styles/plan.css
+    styles/profile.css
     styles/rail.css
     styles/state.css
     styles/style.css

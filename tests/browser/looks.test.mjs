@@ -86,7 +86,7 @@ describe('the looks of the page', { timeout: 290_000 }, () => {
       for (const options of [{}, phone]) {
         await open({ ...options, colorScheme });
         await page.click('#tool-measure');
-        await page.waitForSelector('#measuring:not([hidden])');
+        await page.waitForSelector('#measuring', { state: 'visible' });
         await waitUntilSharp(page);
         await choose(page, '#measure-kinds', 'height');
         for (const share of [0.4, 0.6]) await press(page, options.hasTouch, share);
@@ -196,7 +196,7 @@ describe('the looks of the page', { timeout: 290_000 }, () => {
   it('has no button for what cannot be done yet, and a place for it', async () => {
     await open();
     const tools = await page.$$eval('#rail button', (buttons) => buttons.map((button) => button.textContent));
-    assert.deepEqual(tools, ['Orbit', 'Look', 'Measure', 'Cut', 'Notes', 'Views', 'Compare', 'Picture', 'Present']);
+    assert.deepEqual(tools, ['Orbit', 'Look', 'Measure', 'Cut', 'Profile', 'Notes', 'Views', 'Compare', 'Picture', 'Export', 'Present']);
     await page.click('#look-around');
     assert.deepEqual(await page.$$eval('#rail [aria-pressed=true]', (buttons) => buttons.map((button) => button.textContent)), ['Look']);
     assert.match(await page.textContent('#hint'), /to look around/);

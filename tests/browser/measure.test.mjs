@@ -150,6 +150,21 @@ describe('measuring', { timeout: 290_000 }, () => {
     assert.ok((await measures(page))[0].option === courtOrigin[2] - 2);
   }));
 
+  it('a plane is fitted to the points around a place, and drawn there', () => withPage(async (page) => {
+    await startMeasuring(page);
+    await chooseKind(page, 'plane');
+    for (const [count, [point, wanted]] of [[at(11, 12, 3), 90], [at(12, 5), 0]].entries()) {
+      await click(page, point);
+      await page.waitForFunction(() => document.querySelectorAll('#marks .drawn .point:not(.pending)').length >= 2 || document.querySelector('#marks .drawn .point:not(.pending)'));
+      await page.keyboard.press('Enter');
+      await page.waitForFunction((wait) => document.querySelectorAll('#measure-list .name b:not(:empty)').length > wait, count);
+      const slope = Number((await rows(page)).at(-1)[1].replace('°', ''));
+      assert.ok(Math.abs(slope - wanted) <= 0.1, `${slope} instead of ${wanted}`);
+      assert.ok(await page.evaluate(() => document.querySelector('#marks .measure.selected .line').getAttribute('d').length > 40), 'its square');
+    }
+    assert.match(await page.textContent('#measure-list dl'), /Points that count/);
+  }));
+
   it('sticks to the scan while the camera moves, between frames as well; the cursor\'s coordinates are told', () => withPage(async (page) => {
     const spot = await placeOf(page, at(6, 6));
     await page.mouse.move(spot.x, spot.y);

@@ -1,6 +1,7 @@
 // What only the server can measure, because it takes the scan's own points and not only those that were picked: volumes, and shapes
 // that are fitted. It is asked once for each measure, and again where that has changed; one question at a time, as a link may hold hundreds.
 
+import { fits } from './fits.js';
 import { kinds } from './values.js';
 
 /** What of a view decides which points count. */
@@ -10,7 +11,7 @@ const counting = ['classes', 'clip', 'clips', 'outliers', 'mirrors', 'behindMirr
 export function questionOf({ kind, points, option }, view) {
   const which = Object.fromEntries(counting.filter((word) => view?.[word] !== undefined && view[word] !== null).map((word) => [word, view[word]]));
   const how = kind === 'volume' ? { base: option ?? 'lowest' } : { within: option };
-  return { measure: kind, points, ...how, ...(Object.keys(which).length > 0 ? { view: which } : {}) };
+  return { measure: fits[kind]?.measure ?? kind, points, ...how, ...(Object.keys(which).length > 0 ? { view: which } : {}) };
 }
 
 export class Answers {

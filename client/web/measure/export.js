@@ -73,14 +73,14 @@ export function dxfOf(list, cloud, kindWords, shownUnit) {
     const layer = layerOf(measure);
     const { points } = measure;
     const { label, lines: drawn } = figureOf(measure);
-    if (points.length === 1 || measure.kind === 'circle') {
+    if (points.length === 1 || measure.kind === 'circle' || kinds[measure.kind].fits) {
       for (const point of points) {
         for (const [code, text] of [[0, 'POINT'], [8, layer]]) say(code, text);
         at(point);
       }
     }
-    if (measure.kind === 'circle' || (measure.kind === 'cylinder' && measure.answer)) for (const line of drawn) polyline(layer, line.slice(0, -1), true);
-    else if (points.length > 1) polyline(layer, points, kinds[measure.kind].closed === true);
+    if (measure.kind === 'circle' || (kinds[measure.kind].fits && measure.answer)) for (const line of drawn) polyline(layer, line.slice(0, -1), true);
+    else if (points.length > 1 && !kinds[measure.kind].fits) polyline(layer, points, kinds[measure.kind].closed === true);
     const spread = Math.max(...[0, 1, 2].map((axis) => Math.max(...points.map((one) => one[axis])) - Math.min(...points.map((one) => one[axis]))));
     const main = mainOf(measure, cloud);
     const words = [measure.name || kindWords[measure.kind], main && valueText(main, shownUnit)].filter(Boolean).join(': ');
@@ -96,7 +96,7 @@ export function dxfOf(list, cloud, kindWords, shownUnit) {
 function geometryOf({ kind, points }) {
   if (points.length === 1) return { type: 'Point', coordinates: points[0] };
   if (kinds[kind].closed) return { type: 'Polygon', coordinates: [[...points, points[0]]] };
-  return kind === 'circle' ? { type: 'MultiPoint', coordinates: points } : { type: 'LineString', coordinates: points };
+  return kind === 'circle' || kinds[kind].fits ? { type: 'MultiPoint', coordinates: points } : { type: 'LineString', coordinates: points };
 }
 
 /** RFC 7946, of a scan whose coordinates are WGS 84 (isWgs84()). Lengths of such a scan are degrees, and not written. */

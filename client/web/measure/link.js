@@ -7,7 +7,7 @@
 import { linkWord as word, measuresIn } from './beginning.js';
 import { bases, isOptionOf, kinds } from './values.js';
 
-const letters = { point: 'p', distance: 'd', horizontal: 'w', height: 'h', angle: 'a', area: 'f', circle: 'c', volume: 'v', cylinder: 't' };
+const letters = { point: 'p', distance: 'd', horizontal: 'w', height: 'h', angle: 'a', area: 'f', circle: 'c', volume: 'v', cylinder: 't', fitCircle: 'o', plane: 'e', sphere: 's' };
 const kindOf = Object.fromEntries(Object.entries(letters).map(([kind, letter]) => [letter, kind]));
 const ups = { z: '', y: 'y', '-y': 'n' };
 const mostDigits = 9;

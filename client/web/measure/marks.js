@@ -63,17 +63,17 @@ class Mark {
   middles;
   labels;
 
-  /** `look`: { selected, drawn (by the hand, just now), pending (which points are not picked yet), text and leg(length) (a label's words), heights (as for figureOf()) } */
+  /** `look`: { selected, drawn (by the hand, just now), pending (which points are not picked yet), text and leg(length) (a label's words), heights (as for figureOf()), figure (in place of what figureOf() says) } */
   constructor(measure, look, layers) {
     this.measure = measure;
     this.look = look;
-    const { lines, helpers, label, legs } = figureOf(measure, look.heights);
+    const { lines, helpers, label, legs } = look.figure ?? figureOf(measure, look.heights);
     this.#lines = lines.flatMap((line) => pieces(line, piecesOfLine));
     this.#helpers = helpers.flatMap((line) => pieces(line, piecesOfHelper));
     this.#group = svg('g', `measure${look.selected ? ' selected' : ''}${look.drawn ? ' drawn' : ''}`, layers.svg);
     this.#paths = Object.fromEntries(['fill', 'halo', 'behind', 'helper', 'line'].map((name) => [name, svg('path', name, this.#group)]));
     this.dots = measure.points.map((point, i) => this.#handle(point, `point${look.pending?.[i] ? ' pending' : ''}`, i));
-    this.middles = look.selected && measure.points.length < kinds[measure.kind].most ? this.#middles() : [];
+    this.middles = look.selected && !kinds[measure.kind].fits && measure.points.length < kinds[measure.kind].most ? this.#middles() : [];
     this.labels = [
       ...(look.text ? [this.#label(label, look.text, 'value', layers.labels)] : []),
       ...(look.selected || look.drawn ? legs.map(({ at, length }) => this.#label(at, look.leg(length), 'leg', layers.labels)) : []),

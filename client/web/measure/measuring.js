@@ -16,7 +16,7 @@ import { Measures, mostMeasures } from './measures.js';
 import { Panel } from './panel.js';
 import { pickOr } from './picking.js';
 import { exactText, heightFactor, measuresLengths, unitOf, unitsFor, valueText } from './units.js';
-import { valuesOf } from './values.js';
+import { kinds, valuesOf } from './values.js';
 import { zoomTo } from './zoom.js';
 
 /** @type {(id: string) => any} */
@@ -80,6 +80,9 @@ export class Measuring {
   get isActive() { return this.#isActive; }
   /** The project whose measures these are. */
   get keeping() { return this.#keeping; }
+
+  /** Outlines that have been measured, for what is asked of the points within: [{ name, points }]. */
+  get outlines() { return this.#measures.list.filter(({ kind }) => kinds[kind].closed).map(({ name, points }) => ({ name, points })); }
 
   activate(isActive = !this.#isActive) {
     if (isActive === this.#isActive) return;
@@ -170,7 +173,7 @@ export class Measuring {
     this.#place(cursor);
   }
 
-  /** How near to a point those of its cylinder are at first: some spacings of the scan, and as far as a column is thick. */
+  /** How near to a point those are at first that a shape is fitted to: some spacings of the scan, and as far as a column is thick. */
   get #usualWithin() {
     const { factor } = unitOf(this.#cloud?.crsUnit, 'm');
     return Number(Math.max(10 * (this.#cloud?.spacing ?? 0), 0.25 / factor).toPrecision(2));
@@ -178,7 +181,7 @@ export class Measuring {
 
   /** The next point, at the cursor. */
   async #place(cursor) {
-    const draft = this.#draft ?? new Draft(this.#kind, usualUpAxis(this.#viewer.cloud), this.#kind === 'cylinder' ? this.#usualWithin : undefined);
+    const draft = this.#draft ?? new Draft(this.#kind, usualUpAxis(this.#viewer.cloud), kinds[this.#kind].fits ? this.#usualWithin : undefined);
     if (!this.#cloud || !draft.takesMore) return;
     this.#draft = draft;
     this.#selected = undefined;

@@ -147,7 +147,7 @@ export class Panel {
     number.dataset.key = `number-${id}`;
     number.setAttribute('aria-label', kind === 'volume' ? words.baseHeight : words.within);
     number.addEventListener('change', () => Number.isFinite(number.valueAsNumber) && (kind === 'volume' || number.valueAsNumber > 0) && change(number.valueAsNumber));
-    if (kind === 'cylinder') return element('label', { className: 'row' }, element('span', { textContent: words.within }), number);
+    if (kinds[kind].fits) return element('label', { className: 'row' }, element('span', { textContent: words.within }), number);
     const chosen = typeof option === 'number' ? 'height' : option ?? 'lowest';
     const select = element('select', {}, ...[...bases, 'height'].map((value) => element('option', { value, textContent: words.bases[value], selected: value === chosen })));
     select.dataset.key = `base-${id}`;

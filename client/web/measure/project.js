@@ -53,7 +53,7 @@ function measureOf(one, where) {
     `${where}.points has ${points.length}; a measure of the kind ${kind} has ${least === most ? least : `${least} to ${most}`}.`);
   points.forEach((point, i) => check(isPoint(point), `${where}.points[${i}] is no point: three finite numbers, x, y and z.`));
   check(option === undefined || isOptionOf(kind, option), `${where}.option is none that a measure of the kind ${kind} has.`);
-  check(kind !== 'cylinder' || option !== undefined, `${where}.option is missing: how near to its point a cylinder's points are.`);
+  check(!kinds[kind].fits || option !== undefined, `${where}.option is missing: how near to its points those are that a ${kind} is fitted to.`);
   const facts = moreOf(more, where);
   return { kind, name, visible, up, step, points, ...(option === undefined ? {} : { option }), ...(facts ? { more: facts } : {}) };
 }

@@ -42,6 +42,7 @@ const digits = (value, decimals) =>
 
 /** "12.345 m", "1,234.6 m²", "90.0°": a value of valuesOf() in that unit. */
 export function valueText({ quantity, value, error }, { factor, name }) {
+  if (quantity === 'count') return digits(value, 0);
   if (quantity === 'angle') return `${digits(value, Math.min(2, decimalsFor(error)))}°`;
   const power = { area: 2, volume: 3 }[quantity] ?? 1;
   const text = digits(value * factor ** power, decimalsFor(error * factor ** power));

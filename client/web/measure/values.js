@@ -7,8 +7,13 @@
 // what it said (answers.js). A measure is never changed; another one takes its place (measures.js).
 
 import { add, areNumbers, dot, length, mix, scale, subtract } from '../view/vectors.js';
+import { arc, cross, fits, fittedFigure, fittedValues, unit } from './fits.js';
 
-/** How many points each kind has; `closed`: from the last one back to the first; `asks`: the server computes it, of the scan's points. */
+/**
+ * How many points each kind has; `closed`: from the last one back to the first; `asks`: the server computes it, of the scan's points; `fits`: a shape near
+ * them (fits.js).
+ * @type {{ [kind: string]: { least: number, most: number, closed?: boolean, asks?: boolean, fits?: boolean } }}
+ */
 export const kinds = {
   point: { least: 1, most: 1 },
   distance: { least: 2, most: 500 },
@@ -18,7 +23,7 @@ export const kinds = {
   area: { least: 3, most: 500, closed: true },
   circle: { least: 3, most: 3 },
   volume: { least: 3, most: 500, closed: true, asks: true },
-  cylinder: { least: 1, most: 1, asks: true },
+  ...Object.fromEntries(Object.entries(fits).map(([kind, { least, most }]) => [kind, { least, most, asks: true, fits: true }])),
 };
 
 /** What a volume may stand on, but for a height: the lowest corner, the mean of the corners, the plane through them. */
@@ -26,13 +31,11 @@ export const bases = ['lowest', 'mean', 'fit'];
 
 /** Whether that says how the server is to compute a measure of that kind. */
 export const isOptionOf = (kind, option) =>
-  (kind === 'volume' && (bases.includes(option) || Number.isFinite(option))) || (kind === 'cylinder' && Number.isFinite(option) && option > 0);
+  (kind === 'volume' && (bases.includes(option) || Number.isFinite(option))) || (kinds[kind].fits === true && Number.isFinite(option) && option > 0);
 
 const ups = { z: [0, 0, 1], y: [0, 1, 0], '-y': [0, -1, 0] };
 export const upOf = ({ up }) => ups[up] ?? ups.z;
 
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const unit = (v) => scale(v, 1 / length(v));
 const between = (a, b) => length(subtract(a, b));
 const rise = (a, b, up) => dot(subtract(b, a), up);
 const level = (a, b, up) => {
@@ -84,8 +87,8 @@ const inSpace = (points, heights) => (heights === 1 ? points : points.map(([x, y
 const value = (name, quantity, number, error) => ({ name, quantity, value: number, error });
 
 /**
- * What a measure comes to, the main one first: [{ name, quantity, value, error }], `quantity` 'length', 'area', 'volume' or 'angle'
- * (degrees), `error` what the grid of the coordinates leaves open. `heights`: what z is multiplied by to be in the unit of x and y, in
+ * What a measure comes to, the main one first: [{ name, quantity, value, error }], `quantity` 'length', 'area', 'volume', 'angle'
+ * (degrees) or 'count', `error` what the grid of the coordinates leaves open. `heights`: what z is multiplied by to be in the unit of x and y, in
  * which lengths are. Empty while the server has not answered, while it has too few points, or where they make no such figure.
  */
 export function valuesOf(measure, heights = 1) {
@@ -130,17 +133,12 @@ export function valuesOf(measure, heights = 1) {
 
 /** The same of what the server said. */
 function answeredBy(kind, answer, step) {
-  const lengthOf = (name, number, error = step) => value(name, 'length', number, error);
   const found = kind === 'volume'
     ? ['net', 'above', 'below'].map((name) => value(name, 'volume', answer[name], 5e-4 * Math.max(answer.above, answer.below)))
       .concat(['area', 'uncovered'].map((name) => value(name === 'area' ? 'flatArea' : name, 'area', answer[name], 5e-4 * answer.area)))
-    : [lengthOf('radius', answer.radius), lengthOf('diameter', 2 * answer.radius), lengthOf('seenLength', answer.length), lengthOf('spread', answer.rms, answer.rms / 20)];
+    : fittedValues(kind, answer, step).map(([name, quantity, number, error]) => value(name, quantity, number, error));
   return found.filter(({ value: number }) => Number.isFinite(number));
 }
-
-/** `count` + 1 points of an arc about `center`, from `u` towards `v`, which are perpendicular and as long as its radius. */
-const arc = (center, u, v, angle, count) =>
-  Array.from({ length: count + 1 }, (_, i) => add(center, add(scale(u, Math.cos((angle * i) / count)), scale(v, Math.sin((angle * i) / count)))));
 
 function angleArc([a, b, c]) {
   const [u, v] = [subtract(a, b), subtract(c, b)];
@@ -169,16 +167,6 @@ function baseUnder(points, base) {
   return points.map(([x, y]) => [x, y, base.at[2] + along * (x - base.at[0]) + across * (y - base.at[1])]);
 }
 
-/** A fitted cylinder's two ends, and its axis. */
-function cylinder({ center, axis, radius, length: long }, figure) {
-  if (!areNumbers(center) || !areNumbers(axis) || !(radius > 0)) return figure;
-  const along = unit(axis);
-  const aside = unit(cross(along, Math.abs(along[0]) < 0.8 ? [1, 0, 0] : [0, 1, 0]));
-  const ends = [-0.5, 0.5].map((share) => add(center, scale(along, share * (long > 0 ? long : 0))));
-  const circles = ends.map((end) => arc(end, scale(aside, radius), scale(cross(along, aside), radius), 2 * Math.PI, 48));
-  return { ...figure, lines: circles, helpers: [ends, ...[0, 12, 24, 36].map((i) => [circles[0][i], circles[1][i]])], label: ends[1] };
-}
-
 const middle = (points) => scale(points.reduce(add), 1 / points.length);
 
 /**
@@ -191,7 +179,7 @@ export function figureOf(measure, heights = 1) {
   const up = upOf(measure);
   const [a, b] = points;
   const figure = { lines: [points], helpers: /** @type {number[][][]} */ ([]), label: points.at(-1), legs: /** @type {{ at: number[], length: number }[]} */ ([]) };
-  if (kind === 'cylinder' && measure.answer) return cylinder(measure.answer, figure);
+  if (kinds[kind].fits) return measure.answer ? fittedFigure(measure, measure.answer, { ...figure, lines: [[a]] }) : { ...figure, lines: [[a]] };
   if (points.length < 2) return figure;
   if (kind === 'distance') {
     // Where the legs have their own, the whole stands at the end.

@@ -67,6 +67,15 @@ export class PageTools {
         load: async (active) => new (await import('../clip/clipping.js')).Clipping(viewer, active),
       } },
     ];
+    this.#lazy.add({
+      id: 'profile', label: words.profile, tip: words.profileTip, icon: 'profile', key: 't', styles: ['card.css', 'measure.css', 'profile.css'],
+      load: async (active) => new (await import('../profile/profiling.js')).Profiling(viewer, { ...page, reading, active }),
+    });
+    const exporting = new LazyPart({
+      styles: ['export.css'],
+      load: async () => new (await import('../export/exporting.js')).Exporting(viewer, { ...page, outlines: () => this.#lazy.made('measure')?.outlines ?? [] }),
+    }, page.overlays);
+    rail.register({ id: 'export', label: words.export, tip: words.exportTip, icon: 'export', activate: async () => (await exporting.get())?.open() });
     acceptDrops(async (file) => (await this.#lazy.get('measure'))?.open(file));
   }
 

@@ -12,7 +12,7 @@ import { icon } from './icons.js';
 export const places = [
   ['orbit', 'look', 'fly'],
   ['measure', 'clip', 'profile', 'annotate'],
-  ['views', 'compare', 'picture', 'present'],
+  ['views', 'compare', 'picture', 'export', 'present'],
 ];
 
 /** Where a tool stands: [group, place in it]; what the rail does not know comes last. Pure. */

@@ -32,6 +32,7 @@ export const keyTable = [
   ['O', 'perspective or orthographic'],
   ['M', 'measure; then Space takes the point in the middle'],
   ['X', 'cut by boxes'],
+  ['T', 'profile along a line'],
   ['I', 'notes'],
   ['V J', 'suggested and saved views; play a tour'],
   ['K', 'compare two methods, colourings or clouds'],
@@ -69,7 +70,7 @@ export function isForView(event) {
   if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing || event.defaultPrevented) return false;
   const { target, key } = event;
   if (typeof target?.closest !== 'function') return true;
-  if (target.closest('dialog') || isTextField(target) || isOpenMenu(target)) return false;
+  if (target.closest('dialog, [data-own-keys]') || isTextField(target) || isOpenMenu(target)) return false;
   if (target.closest(fields)) return !worksFields.includes(key);
   return !target.closest(buttons) || !worksButtons.includes(key);
 }

@@ -1,4 +1,4 @@
-// A small film of somebody who measures: the page driven by a mouse that one sees, a picture for every step, joined by ffmpeg.
+// A small film of somebody who measures, and draws a profile: the page driven by a mouse that one sees, a picture for every step, joined by ffmpeg.
 //
 //   scancast serve town.scan &
 //   node tests/browser/measure/measuring_film.mjs http://127.0.0.1:8080/ measuring.mp4 [CLOUD]
@@ -75,6 +75,7 @@ await page.waitForTimeout(600);
 await waitUntilSharp(page, 60_000);
 await take(8);
 await click(await middleOf('#tool-measure'));
+await page.waitForSelector('#measuring', { state: 'visible' }); // it is loaded when it is first used
 for (const place of [{ x: 560, y: 520 }, { x: 720, y: 430 }, { x: 840, y: 520 }]) await click(place);
 await page.keyboard.press('Enter');
 await take(6);
@@ -92,6 +93,27 @@ await page.keyboard.press('Control+z');
 await take(5);
 await page.keyboard.press('Control+Shift+z');
 await take(12);
+
+// A profile: the line, what the server finds along it, a measurement there, nearer.
+await click(await middleOf('#tool-profile'));
+await page.waitForSelector('#profiling', { state: 'visible' });
+for (const place of [{ x: 540, y: 420 }, { x: 700, y: 520 }, { x: 860, y: 430 }]) await click(place);
+await page.keyboard.press('Enter');
+await page.waitForFunction(() => document.getElementById('profile-said').textContent !== '', undefined, { timeout: 30_000 });
+await page.waitForTimeout(1500);
+await take(8);
+const plot = await page.locator('#profile-plot').boundingBox();
+const inPlot = (u, v) => ({ x: plot.x + u * plot.width, y: plot.y + v * plot.height });
+for (const [u, v] of [[0.32, 0.8], [0.45, 0.3]]) await click(inPlot(u, v));
+await go(inPlot(0.4, 0.5));
+for (let i = 0; i < 5; ++i) {
+  await page.mouse.wheel(0, -140);
+  await take(2);
+}
+await page.waitForTimeout(1000);
+await take(8);
+await go(inPlot(0.7, 0.4));
+await take(6);
 await browser.close();
 
 const { status, stderr } = spawnSync('ffmpeg', ['-y', '-loglevel', 'error', '-framerate', String(rate), '-i', join(folder, '%05d.jpg'), '-pix_fmt', 'yuv420p', '-crf', '24', film], { encoding: 'utf8' });

@@ -140,6 +140,32 @@ describe('what the server computes', () => {
     lines.forEach((line, i) => line.forEach((point) => near(Math.hypot(...point.map((value, axis) => value - ends[i][axis])), 0.25)));
     assert.equal(figureOf(made('cylinder', [far], { answer: { center: null } })).lines[0].length, 1);
   });
+  it('fits circles, planes and spheres, which are values and are drawn', () => {
+    assert.deepEqual(questionOf(made('fitCircle', [far], { option: 0.3 }), {}), { measure: 'circle', points: [far], within: 0.3 });
+    const valueOf = (kind, said, name) => valuesOf(made(kind, [far], { option: 1, answer: said })).find((one) => one.name === name)?.value;
+    const ring = { center: far, axis: [0, 1, 1], radius: 0.4, diameter: 0.8, arc: 210, rms: 0.003, used: 400 };
+    assert.deepEqual(['radius', 'diameter', 'arc', 'spread', 'used'].map((name) => valueOf('fitCircle', ring, name)), [0.4, 0.8, 210, 0.003, 400]);
+    const circle = figureOf(made('fitCircle', [far], { answer: ring })).lines[0];
+    for (const point of circle) {
+      const way = point.map((value, axis) => value - far[axis]);
+      near(Math.hypot(...way), 0.4);
+      near(way[1] + way[2], 0); // at right angles to the axis
+    }
+    near(Math.hypot(...circle[0].map((value, axis) => value - circle.at(-1)[axis])), 0);
+    // A roof that falls to the east by 45 degrees: it strikes north.
+    const roof = { center: far, normal: [Math.SQRT1_2, 0, Math.SQRT1_2], slope: 45, falls: 90, rms: 0.01, used: 900 };
+    assert.deepEqual(['slope', 'falls', 'strike'].map((name) => valueOf('plane', roof, name)), [45, 90, 0]);
+    assert.deepEqual(valuesOf(made('plane', [far], { answer: { ...roof, falls: null } })).map(({ name }) => name), ['slope', 'spread', 'used'], 'a level one falls nowhere');
+    const { lines: [square], helpers: [down] } = figureOf(made('plane', [far], { option: 2, answer: roof }));
+    for (const point of square) near(point.reduce((sum, value, axis) => sum + (value - far[axis]) * roof.normal[axis], 0), 0);
+    assert.ok(down[1][0] > far[0] && down[1][2] < far[2], 'the arrow goes down');
+    const ball = figureOf(made('sphere', [far], { answer: { center: far, radius: 3 } }));
+    for (const line of [...ball.lines, ...ball.helpers]) for (const point of line) near(Math.hypot(...point.map((value, axis) => value - far[axis])), 3);
+    const project = (option) => JSON.stringify({ format: 'scancast-project', version: 1, cloud: { id: 'town' }, measures: [{ kind: 'sphere', points: [far], ...option }] });
+    assert.equal(parseProject(project({ option: 0.5 })).measures[0].option, 0.5);
+    assert.throws(() => parseProject(project({})), /option is missing/);
+    assert.deepEqual(parseMeasures(printMeasures([made('plane', corners, { option: 0.5 })], words.kinds).word)[0].points, corners);
+  });
   it('is not known of other points any more, and telling it is no step', () => {
     const list = new Measures();
     const id = list.add(made('volume', corners, { name: 'heap' }));

@@ -20,7 +20,7 @@ const usual = { cube: true, scaleBar: true, legend: true, grid: false, minimap: 
 const gap = 8; // CSS pixels between them and what else floats there
 /** What is left out, one after the other, where there is no room for all of them. */
 const rooms = ['enough', 'no-map', 'no-legend', 'no-cube', 'none'];
-const floating = '.title, .actions, .views, .card, #touring, #hud, #rail, #credit, #lack, #loading, #hint, #leave-presentation';
+const floating = '.title, .actions, .views, .card, #touring, #profile-panel, #hud, #rail, #credit, #lack, #loading, #hint, #leave-presentation';
 
 /** What was chosen in this browser, whatever it kept. Pure. */
 export function chosenOf(kept) {

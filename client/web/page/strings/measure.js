@@ -9,7 +9,7 @@ export const measure = {
   over: 'Measurements in the picture',
   kind: 'What is measured',
   /** Short: they stand under small drawings, and "Distance 1" is a measurement's first name. */
-  kinds: { point: 'Point', distance: 'Distance', horizontal: 'Horizontal', height: 'Height', angle: 'Angle', area: 'Area', circle: 'Circle', volume: 'Volume', cylinder: 'Cylinder' },
+  kinds: { point: 'Point', distance: 'Distance', horizontal: 'Horizontal', height: 'Height', angle: 'Angle', area: 'Area', circle: 'Circle', volume: 'Volume', fitCircle: 'Fit circle', plane: 'Plane', sphere: 'Sphere', cylinder: 'Cylinder' },
   kindTips: {
     point: 'A point: its coordinates, and all that the scan says of it',
     distance: 'Distance along a line of points',
@@ -19,6 +19,9 @@ export const measure = {
     area: 'Area within an outline',
     circle: 'Circle through three points: radius, diameter',
     volume: 'Volume between the scan and a base, within an outline',
+    fitCircle: 'Circle fitted to the points around a place: a stem, a manhole, a ring',
+    plane: 'Plane fitted to the points around places: slope (dip), aspect, how flat it is',
+    sphere: 'Sphere fitted to the points around a place: a target, a tank',
     cylinder: 'Cylinder around a point: the radius of a pipe, a column, a stem',
   },
   onlyPoints: 'The coordinates of this scan are degrees: lengths cannot be measured in them.',
@@ -32,6 +35,9 @@ export const measure = {
     area: (touch) => `${pressed(touch)} the corners of the outline; ${ending(touch)} closes it.`,
     circle: (touch) => `${pressed(touch)} three points on the circle.`,
     volume: (touch) => `${pressed(touch)} the corners of the outline; ${ending(touch)} closes it.`,
+    fitCircle: (touch) => `${pressed(touch)} a point of an upright stem or column, or three of a ring that is turned any way; ${ending(touch)} ends it.`,
+    plane: (touch) => `${pressed(touch)} one or more places on the plane; ${ending(touch)} ends it.`,
+    sphere: (touch) => `${pressed(touch)} one or more places on the sphere; ${ending(touch)} ends it.`,
     cylinder: (touch) => `${pressed(touch)} a point of the pipe, column or stem.`,
   },
   keys: 'Backspace takes back the last point, Esc gives up, Space takes the point in the middle of the picture.',
@@ -47,7 +53,7 @@ export const measure = {
   values: {
     length: 'Length', horizontal: 'Horizontal', rise: 'Height difference', angle: 'Angle', area: 'Area', flatArea: 'Area on the map', outline: 'Outline',
     radius: 'Radius', diameter: 'Diameter', circumference: 'Circumference', net: 'Volume', above: 'Above the base', below: 'Below the base',
-    uncovered: 'Without points', seenLength: 'Length with points', spread: 'Points off by',
+    uncovered: 'Without points', seenLength: 'Length with points', spread: 'Points off by', arc: 'Seen of it', slope: 'Slope (dip)', falls: 'Falls towards (aspect)', strike: 'Strike', used: 'Points that count',
   },
   attributes: {
     rgb: 'Colour', intensity: 'Intensity', classification: 'Class', className: 'Class name', normal: 'Normal', precision: 'Exact to',

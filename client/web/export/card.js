@@ -1,0 +1,27 @@
+// The dialog of exports; its words are those of page/strings/export.js.
+
+export const card = `
+<dialog id="exporting" aria-labelledby="exporting-title">
+  <form method="dialog">
+    <h2 id="exporting-title" data-text="title"></h2>
+    <fieldset>
+      <legend data-text="which"></legend>
+      <label class="row"><input type="radio" name="export-region" value="all" checked><span data-text="regions.all"></span></label>
+      <label class="row"><input type="radio" name="export-region" value="shapes"><span data-text="regions.shapes"></span></label>
+      <label class="row"><input type="radio" name="export-region" value="polygon"><span data-text="regions.polygon"></span></label>
+      <select id="export-outline" data-label="outline" hidden></select>
+      <label class="row" id="export-classes-row"><input type="checkbox" id="export-classes" checked><span data-text="classes"></span></label>
+    </fieldset>
+    <div class="row field"><label for="export-format" data-text="format"></label><select id="export-format"></select></div>
+    <label class="row" data-tip="normalsTip"><input type="checkbox" id="export-normals"><span data-text="normals"></span></label>
+    <p id="export-count" role="status"></p>
+    <progress id="export-progress" max="1" data-label="progress" hidden></progress>
+    <p id="export-state" class="note" role="status"></p>
+    <div class="buttons">
+      <button type="button" id="export-save" data-text="save"></button>
+      <button type="button" id="export-stop" data-text="cancel" hidden></button>
+      <button type="button" id="export-close" data-text="close"></button>
+    </div>
+  </form>
+</dialog>
+`;

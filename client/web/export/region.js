@@ -1,0 +1,54 @@
+// Which points of a scan somebody wants, in the words of `POST /clouds/{id}/points` and `…/profile`: what a view shows of it, by classes, boxes and
+// shapes; a polygon that has been measured. Pure.
+
+/** Columns that stand beside colours in a view and mean nothing for points. */
+const coloursOfPoints = ['auto', 'rgb', 'intensity', 'elevation', 'classification', 'normal'];
+
+const hasShapes = (view) => Boolean(view?.clip) || (view?.clips?.length ?? 0) > 0;
+const hasClasses = (view) => view?.classes !== undefined && view.classes !== null && view.classes !== '';
+
+/** What a view leaves of the scan: { classes, shapes }, each whether it takes something away. */
+export const limitsOf = (view) => ({ classes: hasClasses(view), shapes: hasShapes(view) });
+
+/**
+ * The region; undefined for all of the scan. `wanted`: { classes: only those that the view shows, shapes: only what its boxes and shapes leave,
+ * polygon: [[x, y], …] }
+ */
+export function regionOf(view, wanted = { classes: true, shapes: true }) {
+  const region = {};
+  if (wanted.shapes && view?.clip) region.clip = view.clip;
+  if (wanted.shapes && view?.clips?.length > 0) region.clips = view.clips;
+  if (wanted.classes && hasClasses(view)) region.classes = view.classes;
+  if (wanted.polygon) region.polygon = wanted.polygon.map(([x, y]) => [x, y]);
+  return Object.keys(region).length > 0 ? region : undefined;
+}
+
+/** How a profile is coloured: as the view is, as far as that has a meaning for points. */
+export function coloursOf(view) {
+  const color = view?.color;
+  const plain = typeof color === 'string' ? color.replace('*intensity', '') : '';
+  if (!coloursOfPoints.includes(plain) && !plain.startsWith('#')) return {};
+  return Object.fromEntries(['color', 'colormap', 'range', 'exposure'].filter((word) => view[word] !== undefined && view[word] !== null).map((word) => [word, view[word]]));
+}
+
+/** A file's name, of what a server said (`Content-Disposition`) or, where it says none, of the cloud and what it is. */
+export function fileName(disposition, cloud, what, format) {
+  const said = /filename="?([^";/\\]{1,120})"?/.exec(disposition ?? '')?.[1];
+  return what || !said ? [cloud, what].filter(Boolean).join('-').replace(/[^A-Za-z0-9._-]+/g, '-') + `.${format}` : said;
+}
+
+/** { points, bytes } of the beginning of a LAS or PLY file: as many as its head says; undefined where that is none of these. */
+export function countIn(bytes) {
+  const text = new TextDecoder('latin1').decode(bytes.subarray(0, 4096));
+  if (text.startsWith('LASF') && bytes.length >= 255) {
+    const view = new DataView(bytes.buffer, bytes.byteOffset);
+    const points = Number(view.getBigUint64(247, true));
+    return { points, bytes: view.getUint32(96, true) + points * view.getUint16(105, true) };
+  }
+  const end = text.indexOf('end_header\n');
+  const [, count] = /\nelement vertex (\d+)\n/.exec(text) ?? [];
+  if (!text.startsWith('ply\n') || end < 0 || !count) return undefined;
+  const sizes = { char: 1, uchar: 1, int8: 1, uint8: 1, short: 2, ushort: 2, int16: 2, uint16: 2, int: 4, uint: 4, int32: 4, uint32: 4, float: 4, float32: 4, double: 8, float64: 8 };
+  const record = [...text.slice(0, end).matchAll(/\nproperty (\w+) \w+/g)].reduce((sum, [, type]) => sum + (sizes[type] ?? 0), 0);
+  return { points: Number(count), bytes: end + 11 + Number(count) * record };
+}

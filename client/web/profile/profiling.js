@@ -1,0 +1,331 @@
+// Profiles, put together: a line that is drawn on the picture, the corridor around it, and the panel below that shows what the server finds in it. The line's
+// points are the scan's own, as measures' are; what counts of the scan is what the view shows of it: classes, boxes.
+
+import { mostShapes } from '../clip/box.js';
+import { postSoon } from '../export/asking.js';
+import { chooseTarget, downloadBlob, save } from '../export/saving.js';
+import { Draft } from '../measure/draft.js';
+import { stepOf } from '../measure/hand.js';
+import { pickOr } from '../measure/picking.js';
+import { measuresLengths, unitOf, valueText } from '../measure/units.js';
+import { putCard } from '../page/lazy_tools.js';
+import { counted, strings } from '../page/strings.js';
+import { profile as words } from '../page/strings/profile.js';
+import { isEmpty, partQuestion, pointSizeFor, pointsQuestion, toldBy, wholeQuestion } from './asking.js';
+import { card } from './card.js';
+import { boxesAround, lengthOf, lineOf, placeAt } from './line.js';
+import { LineMarks } from './line_marks.js';
+import { ProfilePanel } from './panel.js';
+import { plotSize } from './paint.js';
+
+/** @type {(id: string) => any} */
+const find = (id) => document.getElementById(id);
+const touch = matchMedia('(pointer: coarse)');
+const againMs = 250; // after the view shows other points
+
+export class Profiling {
+  #viewer;
+  #page;
+  #marks;
+  #panel;
+  #hand;
+  #isActive = false;
+  #cloud;
+  #draft;
+  #points = []; // of the line, in space
+  #step = 0;
+  #width;
+  #moved; // the points while one of them is being dragged
+  #asking; // of the picture that is on its way
+  #counted; // what the view shows of the scan, as it was asked for last
+  #timer;
+
+  /** `page`: { overlays, reading (whose hand it takes), active(isActive) } */
+  constructor(viewer, page) {
+    this.#viewer = viewer;
+    this.#page = page;
+    putCard(card, words);
+    this.#marks = new LineMarks(viewer);
+    page.reading.hand.watch(this.#marks.root);
+    this.#hand = {
+      click: (cursor) => this.#place(cursor), finish: () => this.#finish(), hover: (surface) => this.#hover(surface), drag: (dragged) => this.#drag(dragged),
+      drop: (dragged) => this.#drop(dragged), let: () => this.#let(), select: () => {}, key: (name) => this.#key(name),
+    };
+    this.#panel = new ProfilePanel({
+      wants: (edges, view, ratio) => this.#askPart(edges, view, ratio), placeOf: (place) => [...placeAt(this.#line, place.station), place.height],
+      hover: (place) => this.#marks.spot(place && [...placeAt(this.#line, place.station), place.height]),
+      again: () => this.#again(), only: () => this.#only(), save: (format) => this.#save(format), close: () => this.activate(false),
+    });
+    const on = (id, act) => find(id).addEventListener('click', act);
+    on('close-profiling', () => this.activate(false));
+    on('profile-done', () => this.#finish());
+    on('profile-take-back', () => this.#takeBack());
+    on('profile-cancel', () => this.#cancel());
+    find('profile-width').addEventListener('change', () => this.#setWidth(find('profile-width').valueAsNumber));
+    viewer.addEventListener('cloud', ({ detail }) => this.#cloudShown(detail));
+    viewer.addEventListener('view', ({ detail }) => detail.by !== 'hand' && this.#viewChanged());
+    if (viewer.cloud) this.#cloudShown(viewer.cloud);
+  }
+
+  get isActive() { return this.#isActive; }
+  get #line() { return lineOf(this.#points); }
+  get #profile() { return { line: this.#line, width: this.#width }; }
+
+  activate(isActive = !this.#isActive) {
+    if (isActive === this.#isActive) return;
+    if (!isActive) this.#cancel();
+    this.#isActive = isActive;
+    if (isActive) this.#page.reading.take(this.#hand);
+    else {
+      this.#page.reading.give(this.#hand);
+      this.#asking?.abort();
+      document.body.classList.remove('aiming');
+      find('picture').focus({ preventScroll: true, focusVisible: false });
+    }
+    find('profiling').hidden = !isActive;
+    document.body.classList.toggle('profiling', isActive);
+    this.#page.active(isActive);
+    this.#show();
+    if (isActive && this.#points.length > 1) this.#draw();
+    else this.#panel.show(false, this.#cloud);
+  }
+
+  #cloudShown(cloud) {
+    const isOther = cloud.id !== this.#cloud?.id;
+    this.#cloud = cloud;
+    if (isOther) {
+      this.#draft = this.#moved = undefined;
+      this.#points = [];
+      // Some spacings of the scan, and as thick as a wall.
+      const { factor } = unitOf(cloud.crsUnit, 'm');
+      this.#width = Number(Math.max(6 * (cloud.spacing ?? 0), 0.5 / factor).toPrecision(1));
+      find('profile-width').value = String(this.#width);
+      find('profile-unit').textContent = unitOf(cloud.crsUnit, undefined).name;
+      this.#panel.show(false, cloud);
+    }
+    find('profile-only').hidden = !Object.hasOwn(cloud.view ?? {}, 'clips'); // an older server
+    this.#show();
+  }
+
+  /** Other classes, other boxes, other colours: another picture. */
+  #viewChanged() {
+    if (!this.#panel.isOpen || this.#shownAs === this.#counted) return;
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#panel.isOpen && this.#draw({ isSameLine: true }), againMs);
+  }
+
+  get #shownAs() {
+    const { color, colormap, range, exposure, classes, clip, clips } = this.#viewer.view;
+    return JSON.stringify([color, colormap, range, exposure, classes, clip, clips, this.#cloud?.revision]);
+  }
+
+  #setWidth(width) {
+    if (width > 0 && Number.isFinite(width)) this.#width = width;
+    find('profile-width').value = String(this.#width);
+    this.#show();
+    if (this.#panel.isOpen) this.#draw({ isSameLine: true });
+  }
+
+  // ---- the line
+
+  get #isAble() { return measuresLengths(this.#cloud?.crsUnit); }
+
+  async #place(cursor) {
+    if (!this.#cloud || !this.#isAble || (!this.#draft && this.#points.length > 0)) return;
+    const draft = this.#draft ?? new Draft('horizontal', 'z');
+    if (!draft.takesMore) return;
+    this.#draft = draft;
+    const place = draft.add(this.#viewer.surfaceAt(cursor)?.point);
+    this.#show();
+    const found = await pickOr(this.#viewer, this.#page.overlays, cursor);
+    if (draft !== this.#draft || !draft.places.includes(place)) return; // given up meanwhile
+    draft.settle(place, found);
+    if (found) this.#page.reading.coordinates.exact(found.position, stepOf(found), cursor);
+    this.#settled();
+  }
+
+  #settled() {
+    const draft = this.#draft;
+    if (draft.places.length === 0) this.#draft = undefined;
+    const { measure } = draft;
+    if (measure && lengthOf(lineOf(measure.points)) > 0) {
+      this.#draft = undefined;
+      this.#points = measure.points;
+      this.#step = measure.step;
+      this.#draw();
+    } else if (draft.closing && !draft.isPending) draft.closing = false; // a point was clicked twice: more are needed
+    this.#show();
+  }
+
+  #finish() {
+    const draft = this.#draft;
+    if (!draft || draft.lacks > 0) return;
+    draft.closing = true;
+    this.#settled();
+  }
+
+  #takeBack() {
+    this.#draft?.removeLast();
+    if (this.#draft?.places.length === 0) this.#draft = undefined;
+    this.#show();
+  }
+
+  #cancel() {
+    this.#draft = this.#moved = undefined;
+    this.#show();
+  }
+
+  #again() {
+    this.#asking?.abort();
+    this.#points = [];
+    this.#panel.show(false, this.#cloud);
+    this.#show();
+    find('picture').focus({ preventScroll: true, focusVisible: false });
+  }
+
+  #drag({ index, isNew, cursor }) {
+    const surface = this.#viewer.surfaceAt(cursor);
+    if (!surface || this.#draft) return;
+    this.#moved = this.#points.toSpliced(index, isNew ? 0 : 1, surface.point);
+    this.#show();
+  }
+
+  async #drop({ index, isNew, cursor }) {
+    const found = this.#draft ? undefined : await pickOr(this.#viewer, this.#page.overlays, cursor);
+    this.#moved = undefined;
+    const points = found && this.#points.toSpliced(index, isNew ? 0 : 1, found.position);
+    if (points && lineOf(points).length > 1) {
+      this.#points = points;
+      this.#draw();
+    }
+    this.#show();
+  }
+
+  #let() {
+    this.#moved = undefined;
+    this.#show();
+  }
+
+  #hover(surface) {
+    this.#marks.point(this.#points.length === 0 ? surface?.point : undefined);
+    if (this.#draft) this.#show();
+  }
+
+  #key(name) {
+    const { width, height } = this.#viewer.cssSize;
+    const acts = {
+      Escape: () => (this.#draft ? this.#cancel() : this.activate(false)),
+      Enter: this.#draft && (() => this.#finish()),
+      ' ': this.#points.length === 0 && (() => this.#place({ x: width / 2, y: height / 2 })),
+      Backspace: this.#draft && (() => this.#takeBack()),
+      undo: this.#draft && (() => this.#takeBack()),
+    };
+    const act = acts[name];
+    if (!act) return false;
+    act();
+    document.body.classList.toggle('aiming', name === ' ');
+    return true;
+  }
+
+  // ---- what is seen
+
+  #show() {
+    const draft = this.#draft;
+    const placed = draft?.places.filter(({ at }) => at) ?? [];
+    const under = draft?.takesMore && this.#page.reading.cursor ? this.#viewer.surfaceAt(this.#page.reading.cursor)?.point : undefined;
+    const points = draft ? [...placed.map(({ at }) => at), ...(under ? [under] : [])] : this.#moved ?? this.#points;
+    const shown = unitOf(this.#cloud?.crsUnit, undefined);
+    const text = points.length > 1 ? valueText({ quantity: 'length', value: lengthOf(lineOf(points)), error: Math.max(this.#step, 0.005) }, shown) : '';
+    this.#marks.show({
+      points: this.#isActive ? points : [], step: this.#step, width: this.#width, text, drawn: Boolean(draft || this.#moved),
+      pending: draft ? [...placed.map(({ pending }) => pending), true] : [],
+    });
+    if (!this.#isActive) return;
+    const how = !this.#isAble ? words.degrees : this.#points.length > 0 && !draft ? words.drawn : words.how(touch.matches);
+    find('profile-how').textContent = draft && !touch.matches ? `${how} ${words.keys}` : how;
+    find('profile-draft').hidden = !draft;
+    if (draft) find('profile-done').disabled = draft.lacks > 0 || draft.closing;
+  }
+
+  // ---- the server
+
+  /** All of the profile; `isSameLine`: what is measured in it stays, and where one looks. */
+  async #draw({ isSameLine = false } = {}) {
+    const { plot } = this.#panel;
+    this.#panel.show(true, this.#cloud);
+    this.#counted = this.#shownAs;
+    if (isSameLine && plot.view) {
+      plot.ask();
+      return;
+    }
+    plot.begin();
+    const size = plotSize(plot.size);
+    const ask = wholeQuestion(this.#profile, this.#viewer.view, { width: Math.round(size.width * plot.ratio), height: Math.round(size.height * plot.ratio) }, Math.round(1.5 * plot.ratio));
+    await this.#ask(ask, words.none, (told, image) => {
+      find('profile-said').textContent = words.points(counted(told.points, 'point'));
+      this.#panel.say('');
+      plot.know({ length: told.length, heights: told.heights });
+      plot.show({ image, left: 0, right: told.right, bottom: told.bottom, top: told.top });
+    });
+  }
+
+  #askPart(edges, view, ratio) {
+    const part = partQuestion(this.#profile, this.#viewer.view, edges, { scale: view.scale * ratio, exaggeration: view.exaggeration },
+      pointSizeFor(this.#cloud.spacing, view.scale * ratio, Math.round(1.5 * ratio)));
+    if (!part) {
+      this.#asking?.abort();
+      return;
+    }
+    this.#ask(part.question, words.nothing, (told, image) => {
+      this.#panel.say('');
+      this.#panel.plot.show({ image, left: part.from, right: part.from + told.right, bottom: told.bottom, top: told.top });
+    });
+  }
+
+  /** `use(what the server tells, the picture)` hears of it, unless another one is wanted by then. */
+  async #ask(question, nothing, use) {
+    this.#asking?.abort();
+    const asking = new AbortController();
+    this.#asking = asking;
+    const { plot } = this.#panel;
+    if (!plot.view) this.#panel.say(words.asking);
+    try {
+      const response = await postSoon(this.#viewer.server, this.#cloud.id, 'profile', question, asking.signal);
+      const told = toldBy(response);
+      const image = await createImageBitmap(await response.blob());
+      if (this.#asking === asking) use(told, image);
+    } catch (/** @type {any} */ error) {
+      if (this.#asking !== asking || asking.signal.aborted) return;
+      if (isEmpty(error)) {
+        plot.show(undefined);
+        this.#panel.say(nothing);
+        return;
+      }
+      this.#panel.say(plot.view ? '' : words.failed);
+      this.#page.overlays.toast(words.failed, error.title ? error.message : strings.messages.noAnswer);
+    }
+  }
+
+  #only() {
+    const boxes = boxesAround(this.#line, this.#width, this.#viewer.bounds);
+    if (boxes) this.#viewer.changeStyle({ clips: boxes });
+    else this.#page.overlays.toast(words.noBoxes, words.noBoxesDetail(mostShapes));
+  }
+
+  async #save(format) {
+    const { overlays } = this.#page;
+    const name = `${this.#cloud.id}-profile.${format}`;
+    try {
+      if (format === 'png') downloadBlob(name, await this.#panel.plot.png());
+      else {
+        const target = await chooseTarget(name, format);
+        if (!target) return;
+        const response = await postSoon(this.#viewer.server, this.#cloud.id, 'profile', pointsQuestion(this.#profile, this.#viewer.view, format));
+        await save(response, target, () => {});
+      }
+      overlays.toast(words.saved, name, 'done');
+    } catch (/** @type {any} */ error) {
+      overlays.toast(words.notSaved, error.title ? error.message : strings.messages.noAnswer);
+    }
+  }
+}

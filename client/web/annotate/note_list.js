@@ -111,7 +111,7 @@ export class NoteList {
   }
 
   #field(tag, key, label, value, longest, change) {
-    const field = element(tag, { value, maxLength: longest, autocomplete: 'off', ...(tag === 'input' ? { type: 'text' } : { rows: 3 }) });
+    const field = element(tag, { value, maxLength: longest, autocomplete: 'off', ...(tag === 'input' ? { type: 'text' } : { rows: 3 }), placeholder: key.startsWith('link') ? words.linkHint : '' });
     field.dataset.key = key;
     field.addEventListener('change', () => change(field.value, field));
     return element('label', { className: 'field-of-note' }, element('span', { textContent: label }), field);

@@ -19,7 +19,6 @@ export const annotate = {
   linkHint: 'https://',
   linkRefused: 'A link begins with http:// or https://.',
   follow: 'Open link',
-  place: 'Place',
   move: 'Move',
   moveTip: 'Move the note to another point',
   zoom: 'Zoom to',

@@ -16,7 +16,5 @@ export const compare = {
   left: 'Left',
   right: 'Right',
   side: (name, parts) => (parts.length > 0 ? parts.join(' · ') : name),
-  hold: 'Hide the divider’s labels',
-  swap: 'Swap sides',
   problem: 'The right side could not be shown',
 };

@@ -21,7 +21,6 @@ export const views = {
   undoTip: 'Take back the last change of the saved views',
   play: 'Play tour',
   playTip: 'Fly from one saved view to the next (J); Esc stops',
-  tour: 'Tour',
   tours: 'Which tour',
   seconds: 'Seconds between views',
   pause: 'Seconds at each',

@@ -28,6 +28,7 @@ export class Annotating {
   #moved; // { id, point } while one is being dragged
   #coming = 0; // of the points that are being looked up, the newest one's number
   #pending; // about where that is
+  #points = new WeakMap(); // note → as it is drawn
 
   /**
    * `page`: { reading (whose the hand is), keeping (the project, whose notes these are), overlays (messages), active(isActive) }
@@ -89,11 +90,17 @@ export class Annotating {
     const marks = this.#notes.list.filter(({ visible, id }) => visible || id === this.#selected).map((note) => {
       const isMoved = this.#moved?.id === note.id;
       const selected = this.#isActive && note.id === this.#selected;
-      const measured = pointOf(isMoved ? { ...note, point: this.#moved.point } : note);
+      const measured = isMoved ? pointOf({ ...note, point: this.#moved.point }) : this.#pointOf(note);
       return { measure: measured, look: { key: `${selected} ${note.name} ${isMoved} ${note.point}`, selected, drawn: isMoved, text: note.name } };
     });
     const pending = this.#pending && { measure: { id: 'draft', kind: 'point', points: [this.#pending] }, look: { key: '', drawn: true, pending: [true], text: '' } };
     this.#marks.show(pending ? [...marks, pending] : marks);
+  }
+
+  /** The same for the same note, so that its mark stays. */
+  #pointOf(note) {
+    if (!this.#points.has(note)) this.#points.set(note, pointOf(note));
+    return this.#points.get(note);
   }
 
   #select(id) {

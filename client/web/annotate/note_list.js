@@ -27,6 +27,13 @@ export class NoteList {
     on('note-redo', () => notes.redo());
     on('note-save-project', () => does.save());
     on('note-open-project', () => does.open());
+    // What is being written is kept also where the page is left.
+    const hold = () => {
+      const field = /** @type {any} */ (document.activeElement);
+      if (field?.closest?.('#note-list') && field.matches('input, textarea')) field.dispatchEvent(new Event('change'));
+    };
+    addEventListener('pagehide', hold);
+    document.addEventListener('visibilitychange', () => document.hidden && hold());
     find('note-undo').append(icon('undo'));
     find('note-redo').append(icon('redo'));
   }

@@ -10,9 +10,10 @@ import { classesOf } from '../page/plan/legend.js';
 import { styleKeys } from '../protocol/view_words.js';
 import { pick } from '../view/usual.js';
 import { wireOf } from '../view/camera_words.js';
+import { wordsFor } from '../scancast-view.js';
 import { Viewer } from '../view/viewer.js';
 import { card } from './card.js';
-import { printSides, rightStyle, usualSides } from './sides.js';
+import { parseSides, printSides, rightStyle, usualSides } from './sides.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
@@ -28,6 +29,8 @@ export class Comparing {
   #other; // the viewer of the right side, made once: what it draws with is dear
   #side = element('div', { id: 'other-side', ariaHidden: 'true' }); // all that it draws on is in there, and cut off with it
   #divider = element('div', { id: 'divider', tabIndex: 0 });
+  #styled = ''; // the style of the right side, as it was asked for last
+  #trouble = ''; // why there is no picture of the right side
   #labels = [element('span', { className: 'side left' }), element('span', { className: 'side right' })];
 
   /** `page`: { overlays (messages), active(isActive), changed() (hears that the address has something new to say), title(method) } */
@@ -39,14 +42,18 @@ export class Comparing {
     find('close-comparing').addEventListener('click', () => this.end());
     for (const name of names) find(`compare-${name}`).addEventListener('change', ({ target: { value } }) => this.#choose(name, value));
     addEventListener('keydown', (event) => {
-      if (event.key !== 'Escape' || !this.#isActive || event.defaultPrevented || document.querySelector('dialog[open]')) return;
+      if (event.key !== 'Escape' || !this.#isActive || event.defaultPrevented || document.querySelector('dialog[open], :popover-open')) return;
       event.preventDefault();
       this.end();
     });
     const on = (name, act) => viewer.addEventListener(name, ({ detail }) => this.#isOn && act(detail));
     on('camera', () => this.#follow());
     on('view', ({ by }) => by !== 'hand' && this.#restyle());
-    on('cloud', () => this.#begin());
+    on('connection', ({ kind }) => kind === 'locked' && this.#leave()); // what the next one may see, the next token says
+    on('cloud', () => {
+      this.#begin();
+      this.#fill();
+    });
     on('catalog', () => this.#fill());
     on('clouds', () => this.#fill());
   }
@@ -64,7 +71,9 @@ export class Comparing {
   }
 
   /** As an address has it. */
-  restore(sides) {
+  restoreHash(hash) {
+    const sides = parseSides(hash);
+    if (!sides) return;
     this.#sides = { ...sides };
     if (!this.#isOn) this.#start();
     else this.#begin();
@@ -83,6 +92,8 @@ export class Comparing {
     find('view').after(this.#side);
     find('marks').after(this.#divider, ...this.#labels);
     this.#other ??= this.#made();
+    // Points are those of the left side; of what only the right one shows, none.
+    this.#viewer.pickable = ({ x }) => (this.#sides.cloud === undefined && this.#sides.classes === undefined) || x <= (this.#sides.at / 100) * this.#viewer.cssSize.width;
     this.#begin();
     this.#place();
   }
@@ -96,11 +107,13 @@ export class Comparing {
       this.#follow();
       other.changeStyle(this.#style, 'program');
     });
-    other.addEventListener('frame', () => this.#isOn && this.#side.classList.add('drawn'));
+    other.addEventListener('frame', () => this.#isOn && other.cloud?.id === (this.#sides.cloud ?? this.#viewer.cloud?.id) && this.#side.classList.add('drawn'));
     const on = (name, act) => other.addEventListener(name, (/** @type {any} */ { detail }) => act(detail));
     on('problem', (detail) => this.#page.overlays.toast(words.problem, detail?.detail || detail?.title || ''));
-    on('connection', (detail) => {
-      if (detail.kind === 'gone' || detail.kind === 'failed') this.#page.overlays.toast(words.problem, strings.cover.unknown(detail.cloud ?? this.#sides.cloud ?? ''));
+    on('connection', (now) => {
+      this.#trouble = now.kind === 'connecting' ? '' : wordsFor(now);
+      if (now.kind !== 'open' && now.kind !== 'lost' && now.kind !== 'connecting') this.#side.classList.remove('drawn'); // what was there is of something else
+      if (this.#isOn) this.#say();
     });
     return other;
   }
@@ -122,8 +135,8 @@ export class Comparing {
     find('comparing').hidden = true;
     if (this.#isOn) {
       this.#isOn = false;
-      this.#other.stop();
-      this.#side.classList.remove('drawn');
+      this.#leave();
+      this.#viewer.pickable = () => true;
       for (const node of [this.#side, this.#divider, ...this.#labels]) node.remove();
       document.body.classList.remove('comparing');
       this.#sides = { ...usualSides };
@@ -131,6 +144,11 @@ export class Comparing {
     }
     if (wasActive) this.#page.active(false);
     find('picture').focus({ preventScroll: true, focusVisible: false });
+  }
+
+  #leave() {
+    this.#other.stop();
+    this.#side.classList.remove('drawn');
   }
 
   // ---- the same camera, another look
@@ -150,16 +168,21 @@ export class Comparing {
   }
 
   #restyle() {
+    const style = JSON.stringify(this.#style);
+    if (style === this.#styled) return; // a camera in flight tells of itself at every step
+    this.#styled = style;
     if (this.#other?.cloud) this.#other.changeStyle(this.#style, 'program');
     this.#say();
-    this.#fill();
   }
 
   #choose(name, value) {
     const chosen = value === '' ? undefined : name === 'classes' && value !== 'all' ? Number(value) : value;
     this.#sides = { ...this.#sides, [name]: chosen };
     if (name === 'cloud') this.#begin();
-    else this.#restyle();
+    else {
+      this.#styled = '';
+      this.#restyle();
+    }
     this.#page.changed();
   }
 
@@ -203,7 +226,7 @@ export class Comparing {
     ].filter(Boolean);
     const [left, rightLabel] = this.#labels;
     left.textContent = words.side(words.left, partsOf(view, cloud));
-    rightLabel.textContent = words.side(words.right, partsOf(right, other));
+    rightLabel.textContent = this.#trouble || words.side(words.right, partsOf(right, other));
   }
 
   // ---- the divider

@@ -5,12 +5,12 @@
 import { mostNotes, pointOf } from '../annotate/notes.js';
 import { measure as words } from '../page/strings/measure.js';
 import { parseHash } from '../view/view_hash.js';
-import { mostTours, mostViews } from '../views/saved.js';
+import { mostTours, mostViews, toursOf } from '../views/saved.js';
 import { csvOf, dxfOf, geoJsonOf, isWgs84 } from './export.js';
 import { acceptFiles, download, readProject } from './files.js';
 import { parseMeasures, printMeasures } from './link.js';
 import { unknownOf } from './measures.js';
-import { printProject } from './project.js';
+import { printProject, refusalOf } from './project.js';
 import { keep, recall } from './shelf.js';
 import { SteppedList } from './stepped_list.js';
 import { unitOf } from './units.js';
@@ -26,6 +26,7 @@ export class Keeping {
   #cloud; // whose measures these are
   #next; // { cloud, use() } of a link or a project whose cloud is not shown yet
   #kept = {}; // what a project file said that is not this page's
+  #refused = ''; // why the project cannot be kept as it is now
   #leftOut = 0; // measures for which the link had no room
 
   notes = new SteppedList(mostNotes);
@@ -51,12 +52,13 @@ export class Keeping {
     this.#cloud = isOther ? undefined : cloud;
     if (isOther) {
       const known = recall(cloud);
-      this.#kept = known?.project.kept ?? {};
+      this.#kept = known?.project?.kept ?? {};
       const { measures = [], notes = [], views = [], tours = [] } = known?.project ?? {};
       this.#measures.begin(measures);
       this.notes.begin(notes);
       this.views.begin(views);
-      this.tours.begin(tours);
+      this.tours.begin(toursOf(tours, this.views.list));
+      if (known?.isUnreadable) this.#page.overlays.toast(messages.notRead, messages.notReadDetail);
       if (known?.isOlder && measures.length + notes.length > 0) this.#page.overlays.toast(messages.otherState, messages.otherStateDetail);
     }
     this.#cloud = cloud;
@@ -75,7 +77,11 @@ export class Keeping {
   #keep() {
     if (!this.#cloud) return; // they have just come from there
     const hasSome = [this.#measures, this.notes, this.views, this.tours].some(({ list }) => list.length > 0) || Object.keys(this.#kept).length > 0;
-    keep(this.#cloud, hasSome ? this.#project('') : '');
+    const text = hasSome ? this.#project('') : '';
+    const reason = text && refusalOf(text);
+    if (!reason) keep(this.#cloud, text);
+    else if (reason !== this.#refused) this.#page.overlays.toast(messages.notKept, reason); // what is kept already stays
+    this.#refused = reason;
   }
 
   // ---- the address
@@ -167,7 +173,7 @@ export class Keeping {
     this.#measures.replace(measures.map((one) => ({ ...one, name: one.name || words.kinds[one.kind] })));
     this.notes.replace(notes);
     this.views.replace(views);
-    this.tours.replace(tours);
+    this.tours.replace(toursOf(tours, this.views.list));
     this.#page.opened(project);
     if (cloud.revision && cloud.revision !== this.#cloud.revision) this.#page.overlays.toast(messages.otherState, messages.otherStateDetail);
     else this.#page.overlays.toast(messages.opened, messages.openedDetail({ measures, notes, views }), 'done');

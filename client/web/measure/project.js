@@ -25,7 +25,7 @@ export function printProject({ cloud, view, unit, measures, notes = [], views = 
   }));
   const { id, title, revision, crsName, crsUnit, crsEpsg } = cloud;
   const about = Object.fromEntries(Object.entries({ id, title, revision, crsName, crsUnit, crsEpsg }).filter(([, value]) => value));
-  const parts = Object.entries({ annotations: writtenNotes(notes), views: writtenViews(views), tours: writtenTours(tours) }).filter(([, list]) => list.length > 0);
+  const parts = Object.entries({ annotations: writtenNotes(notes), views: writtenViews(views), tours: writtenTours(tours, views) }).filter(([, list]) => list.length > 0);
   return `${JSON.stringify({ format, version, cloud: about, view, unit, measures: written, ...Object.fromEntries(parts), ...kept }, undefined, 1)}\n`;
 }
 
@@ -56,6 +56,16 @@ function measureOf(one, where) {
   check(!kinds[kind].fits || option !== undefined, `${where}.option is missing: how near to its points those are that a ${kind} is fitted to.`);
   const facts = moreOf(more, where);
   return { kind, name, visible, up, step, points, ...(option === undefined ? {} : { option }), ...(facts ? { more: facts } : {}) };
+}
+
+/** Why that text is no project file, '' where it is one: nothing is to be written that nobody can read again. */
+export function refusalOf(text) {
+  try {
+    parseProject(text);
+    return '';
+  } catch (/** @type {any} */ error) {
+    return error.message;
+  }
 }
 
 /**

@@ -17,12 +17,21 @@ function read(key) {
   }
 }
 
-/** { project, isOlder }: what is kept of that cloud, be it of an earlier state of it; undefined for nothing. */
+/**
+ * { project, isOlder }: what is kept of that cloud, be it of an earlier state of it; { isUnreadable } where there is something that cannot be read,
+ * which is set aside; undefined for nothing.
+ */
 export function recall(cloud) {
-  const project = read(keyOf(cloud));
+  const own = keyOf(cloud);
+  const project = read(own);
   if (project) return { project, isOlder: false };
+  const text = deviceStore.get(own);
+  if (text) {
+    deviceStore.set(`${own}.unreadable`, text);
+    deviceStore.remove(own);
+  }
   const earlier = keptKeys().findLast((key) => key.startsWith(keyBegin(cloud)) && read(key));
-  return earlier && { project: read(earlier), isOlder: true };
+  return earlier ? { project: read(earlier), isOlder: true } : text ? { project: undefined, isOlder: false, isUnreadable: true } : undefined;
 }
 
 /** `text` as printProject() makes it; an empty one is forgotten. */

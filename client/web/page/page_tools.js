@@ -15,6 +15,7 @@ export class PageTools {
   #lazy;
   #rest; // of the tools: those that only some servers and scans have
   #arrived = ''; // measures of an address, until measuring has read them
+  #compared = ''; // the same of two sides
   #savedViews;
   #picture;
 
@@ -116,17 +117,21 @@ export class PageTools {
   /** What an address says of two sides. */
   async #compare(hash) {
     if (!/[#&]compare=/.test(hash)) {
+      this.#compared = '';
       this.#lazy.made('compare')?.end();
       return;
     }
-    const [{ parseSides }, comparing] = await Promise.all([import('../compare/sides.js'), this.#lazy.get('compare')]);
-    const sides = parseSides(hash);
-    if (sides) comparing?.restore(sides);
+    const part = hash.replace(/^#/, '').split('&').find((one) => one.startsWith('compare='));
+    this.#compared = `&${part}`;
+    const comparing = await this.#lazy.get('compare'); // where it cannot be loaded, the address goes on saying it
+    if (!comparing || this.#compared !== `&${part}`) return;
+    this.#compared = '';
+    comparing.restoreHash(hash);
   }
 
   /** What the address says of the tools, for one that has that many characters already: '' or '&measures=…'. */
   hashPart(taken) {
-    const compared = this.#lazy.made('compare')?.hashPart ?? '';
+    const compared = this.#compared || (this.#lazy.made('compare')?.hashPart ?? '');
     if (this.#arrived) return `&${this.#arrived}${compared}`; // nobody has read them yet
     return `${this.#lazy.made('measure')?.hashPart(taken + compared.length) ?? ''}${compared}`;
   }

@@ -5,7 +5,7 @@
 import { snapshotUrl } from '../protocol/view_words.js';
 
 const size = { width: 216, height: 144 };
-const mostKept = 64;
+const mostKept = 256; // more than a gallery with all saved views has
 const restMs = 500; // after the last movement
 const quality = 75;
 const leastPart = 0.14; // of the height; less would show nothing that one knows again

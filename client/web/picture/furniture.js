@@ -132,7 +132,8 @@ class Painter {
     const ramp = legend.colors && 9 * em;
     for (const { text } of lines) wide = Math.max(wide, this.#context.measureText(text).width + (ramp ? 0 : 1.5 * em));
     if (ramp) wide = Math.max(wide, ramp, legend.ends.reduce((sum, end) => sum + this.#context.measureText(end).width, 2 * em));
-    const rows = lines.slice(0, Math.max(1, Math.floor((0.75 * this.#size.height) / (1.3 * em)) - 3));
+    const room = Math.max(2, Math.floor((0.75 * this.#size.height) / (1.3 * em)) - 3);
+    const rows = lines.length <= room ? lines : [...lines.slice(0, room - 1), { text: planStrings.legend.more(lines.length - room + 1 + Math.max(0, (legend.more ?? 0) - 1)) }];
     const high = (1.9 + (ramp ? 2.3 : 0) + rows.length * 1.3) * em;
     const [x, y] = [this.#size.width - this.#gap - wide - 1.4 * em, this.#gap];
     this.#sheet(x, y, wide + 1.4 * em, high);

@@ -151,7 +151,7 @@ export class PictureDialog {
     find('picture-height').setAttribute('aria-invalid', String(!height));
     const plain = isGood && this.#isPlain(this.#size);
     find('picture-parts').disabled = plain;
-    find('picture-note').textContent = plain ? words.plain : '';
+    find('picture-note').textContent = [plain ? words.plain : '', document.body.classList.contains('comparing') ? words.leftOnly : ''].filter(Boolean).join(' ');
     find('picture-save').disabled = !isGood;
     find('picture-name').textContent = isGood ? this.#name : '';
     return isGood;

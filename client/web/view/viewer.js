@@ -52,6 +52,7 @@ export class Viewer extends EventTarget {
   #cloud; // what the server says of the cloud on screen
   #camera; // undefined until there is something to look at
   #flight; // { from, to, start } while the camera flies by itself
+  #isStopped = false;
   #nextList; // timer of the next question for the list, while one is loading
   #firstViews;
   #next; // of the calls of #showSoon(), the last one's
@@ -70,6 +71,9 @@ export class Viewer extends EventTarget {
 
   /** freeSize(cssSize): the part of the canvas, in its middle, that nothing lies over; a fitted cloud fills that. */
   freeSize = (cssSize) => cssSize;
+
+  /** pickable(cursor): whether what is seen there is this viewer's: else nothing is picked there. */
+  pickable = (_cursor) => true;
 
   /** What may be moved by hand: nothing where this is false. */
   steerable = true;
@@ -187,7 +191,7 @@ export class Viewer extends EventTarget {
    */
   async pickAt({ x, y }) {
     const { size: { width, height }, cssSize } = this.#picture;
-    if (x < 0 || y < 0 || x >= cssSize.width || y >= cssSize.height) return null;
+    if (x < 0 || y < 0 || x >= cssSize.width || y >= cssSize.height || !this.pickable({ x, y })) return null;
     const scale = width / cssSize.width;
     const { cloud, ...view } = this.view;
     return this.server.pick(cloud, { ...view, width, height }, { x: x * scale, y: y * scale });
@@ -203,12 +207,14 @@ export class Viewer extends EventTarget {
     this.#next = undefined;
     this.#restore = restore;
     this.#flight = undefined;
+    this.#isStopped = false;
     this.#session.start(restore?.cloud);
   }
 
   /** Ends the connection; start() makes another one. */
   stop() {
     clearTimeout(this.#nextList);
+    this.#isStopped = true;
     this.#next = this.#flight = undefined;
     this.#session.stop();
   }
@@ -434,6 +440,7 @@ export class Viewer extends EventTarget {
   #askAgainWhileLoading() {
     const { clouds, pending } = this.#catalog;
     clearTimeout(this.#nextList);
+    if (this.#isStopped) return;
     if ([...clouds, ...pending].some((entry) => entry.state === 'loading'))
       this.#nextList = setTimeout(async () => {
         await this.refreshClouds();

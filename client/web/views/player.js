@@ -19,6 +19,7 @@ export class Player {
   #time = 0;
   #last;
   #index = -1;
+  #steers = false; // the camera that moves is this one's
   #running; // of the frame that is next
   #text = element('span');
   #bar = element('div', { id: 'touring', hidden: true });
@@ -30,7 +31,9 @@ export class Player {
     this.#text.setAttribute('role', 'status');
     this.#bar.append(this.#text, stop);
     find('hud').before(this.#bar);
-    viewer.addEventListener('camera', ({ detail }) => detail.by === 'hand' && this.stop());
+    // Whoever moves the camera otherwise - by hand, by a key, back to another view - wants to be there.
+    viewer.addEventListener('camera', ({ detail }) => (detail.by === 'hand' || this.#time >= 0) && !this.#steers && this.stop());
+    for (const name of ['jump', 'sought']) viewer.addEventListener(name, () => !this.#steers && this.stop());
     // Before presentation mode, which Escape would leave.
     addEventListener('keydown', (event) => {
       if (event.key !== 'Escape' || !this.isPlaying || document.querySelector('dialog[open]')) return;
@@ -53,7 +56,7 @@ export class Player {
     this.#last = undefined;
     this.#bar.hidden = false;
     document.body.classList.add('touring');
-    this.#viewer.goTo(stops[0].camera);
+    this.#steer(() => this.#viewer.goTo(stops[0].camera));
     this.#next();
     find('picture').focus({ preventScroll: true, focusVisible: false });
   }
@@ -65,6 +68,12 @@ export class Player {
     this.#bar.hidden = true;
     this.#text.textContent = '';
     document.body.classList.remove('touring');
+  }
+
+  #steer(act) {
+    this.#steers = true;
+    act();
+    this.#steers = false;
   }
 
   #next() {
@@ -84,7 +93,7 @@ export class Player {
     this.#next();
     const { camera, index } = this.#tour.at(Math.max(0, this.#time));
     if (index !== this.#index) this.#arrived(index);
-    if (this.#time >= 0 && !this.#calm.matches) this.#viewer.changeCamera(camera, 'program');
+    if (this.#time >= 0 && !this.#calm.matches) this.#steer(() => this.#viewer.changeCamera(camera, 'program'));
   }
 
   #arrived(index) {
@@ -92,7 +101,7 @@ export class Player {
     const { name, camera, style } = this.#stops[index];
     const count = this.#loop ? this.#stops.length - 1 : this.#stops.length;
     this.#text.textContent = words.playing((index % count) + 1, count, name);
-    if (this.#calm.matches) this.#viewer.goTo(camera);
+    if (this.#calm.matches) this.#steer(() => this.#viewer.goTo(camera));
     this.#viewer.changeStyle(style, 'program');
   }
 }

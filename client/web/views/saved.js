@@ -1,7 +1,8 @@
 // Saved views and tours as a project file has them. They may come from anywhere, so everything is checked. Pure.
 //
 // A saved view is { id, name, view }: `view` in the words of an address, as behind its #. A tour is { id, name, views, seconds, pause, loop }:
-// names of views, all of them in their order where `views` is undefined; seconds from one to the next, and seconds at each.
+// which views, all of them in their order where `views` is undefined; seconds from one to the next, and seconds at each. A file names the
+// views of a tour; here it has their ids, so that it holds whatever they are called, and whoever takes back a deletion has his tour again.
 
 import { check, isText, listOf } from '../measure/checks.js';
 
@@ -9,7 +10,7 @@ export const mostViews = 200;
 export const mostTours = 20;
 export const mostStops = 500;
 export const longestName = 120;
-const longestView = 4096;
+export const longestView = 4096;
 export const usualTour = { name: 'Tour', views: undefined, seconds: 4, pause: 2, loop: false };
 export const secondsRange = { least: 0.2, most: 600 };
 export const pauseRange = { least: 0, most: 600 };
@@ -47,11 +48,18 @@ export function readTours(file, views) {
 }
 
 export const writtenViews = (list) => list.map(({ name, view }) => ({ name, view }));
-export const writtenTours = (list) => list.map(({ name, views, seconds, pause, loop }) => ({ name, views, seconds, pause, ...(loop ? { loop } : {}) }));
+/** Tours as a file has them, with the views that it has. */
+export function writtenTours(list, views) {
+  const names = new Map(views.map(({ id, name }) => [id, name]));
+  return list.map(({ name, views: stops, seconds, pause, loop }) => (
+    { name, views: stops?.filter((id) => names.has(id)).map((id) => names.get(id)), seconds, pause, ...(loop ? { loop } : {}) }));
+}
+
+/** Tours of a file, with the ids that its views have been given. */
+export function toursOf(tours, views) {
+  const ids = new Map(views.map(({ id, name }) => [name, id]));
+  return tours.map((tour) => ({ ...tour, views: tour.views?.map((name) => ids.get(name)) }));
+}
 
 /** The views that a tour leads along, in its order. */
-export const stopsOf = (tour, views) => (tour.views ? tour.views.map((name) => views.find((one) => one.name === name)).filter(Boolean) : views);
-
-/** Tours in which a view has another name, or, without one, is no more. */
-export const toursWith = (tours, name, next) => tours.map(({ id, ...tour }) => (
-  { ...tour, views: tour.views?.flatMap((one) => (one !== name ? [one] : next === undefined ? [] : [next])) }));
+export const stopsOf = (tour, views) => (tour.views ? tour.views.map((id) => views.find((one) => one.id === id)).filter(Boolean) : views);

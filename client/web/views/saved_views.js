@@ -9,7 +9,7 @@ import { cameraOf, wireOf } from '../view/camera_words.js';
 import { restyled, usualStyle } from '../view/usual.js';
 import { parseHash } from '../view/view_hash.js';
 import { Player } from './player.js';
-import { longestName, mostViews, pauseRange, secondsRange, stopsOf, toursWith, usualTour } from './saved.js';
+import { longestName, longestView, mostViews, pauseRange, secondsRange, stopsOf, usualTour } from './saved.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
@@ -46,6 +46,7 @@ export class SavedViews {
   #tours;
   #chosen = ''; // the tour's name
   #player;
+  #rows = new Map(); // id → { node, thumbnail, show(saved, index, count) }
   #pictured = ''; // the views that the gallery has been asked for pictures of
 
   /** `page`: { keeping (the project), hash() (the view as an address says it), overlays (messages), galleries (whose pictures these are among) } */
@@ -95,8 +96,16 @@ export class SavedViews {
 
   get #now() { return this.#page.hash().replace(/^#/, ''); }
 
-  #save() {
+  /** The view as it is now; '' where there is none, or none that a project could keep, which is said. */
+  #keepable() {
     const view = this.#now;
+    if (view.length <= longestView) return view;
+    this.#page.overlays.toast(words.tooLong, words.tooLongDetail);
+    return '';
+  }
+
+  #save() {
+    const view = this.#keepable();
     if (!view) return;
     const id = this.#views.add({ name: this.#views.nameFor(words.first), view });
     if (id === undefined) this.#page.overlays.toast(words.tooMany, words.tooManyDetail(mostViews));
@@ -110,17 +119,11 @@ export class SavedViews {
     const text = wanted.trim().slice(0, longestName) || name;
     const free = isFree(text) ? text : this.#views.nameFor(text.slice(0, longestName - 8));
     this.#views.change(id, { name: free });
-    if (free !== name) this.#inTours(name, free);
   }
 
-  #remove(id) {
-    const { name } = this.#views.find(id);
-    this.#views.remove(id);
-    this.#inTours(name, undefined);
-  }
-
-  #inTours(name, next) {
-    if (this.#tours.list.some(({ views }) => views?.includes(name))) this.#tours.replace(toursWith(this.#tours.list, name, next));
+  #update(id) {
+    const view = this.#keepable();
+    if (view) this.#views.change(id, { view });
   }
 
   /** @returns {{ camera: any, style: any } | undefined} what a saved view shows of this cloud */
@@ -150,14 +153,18 @@ export class SavedViews {
     /** @type {any} */
     const active = document.activeElement;
     const focused = active?.closest?.('#saved-list') && active.dataset.key;
-    // Pictures that are there stay until there are others.
-    const pictures = new Map([...find('saved-list').querySelectorAll('.thumbnail')].map((node) => [node.dataset.view, node]));
-    find('saved-list').replaceChildren(...list.map((saved, i) => this.#row(saved, i, pictures.get(saved.view))));
-    if (focused && !this.#focus(focused)) find('save-view').focus();
+    // A row stays what it is: whoever presses one of its buttons out of a field that has just changed would press nothing.
+    const before = this.#rows;
+    this.#rows = new Map(list.map(({ id }) => [id, before.get(id) ?? this.#row(id)]));
+    list.forEach((saved, i) => this.#rows.get(saved.id).show(saved, i, list.length));
+    const rows = [...this.#rows.values()].map(({ node }) => node);
+    const shown = [...find('saved-list').children];
+    if (rows.length !== shown.length || rows.some((row, i) => row !== shown[i])) find('saved-list').replaceChildren(...rows);
+    if (focused && document.activeElement !== active && !this.#focus(focused)) find('save-view').focus();
     this.#showTour();
-    const shown = list.map(({ view }) => view).join('\n');
-    if (shown !== this.#pictured) this.#page.galleries.renew();
-    this.#pictured = shown;
+    const pictured = list.map(({ view }) => view).join('\n');
+    if (pictured !== this.#pictured) this.#page.galleries.renew();
+    this.#pictured = pictured;
   }
 
   #focus(key, selects = false) {
@@ -167,36 +174,45 @@ export class SavedViews {
     return Boolean(found);
   }
 
-  #button(key, text, label, act, disabled = false) {
-    const button = element('button', { type: 'button', textContent: text, title: label, disabled, className: 'small' });
-    button.setAttribute('aria-label', label);
+  #button(key, text, act) {
+    const button = element('button', { type: 'button', textContent: text, className: 'small' });
     button.dataset.key = key;
     button.addEventListener('click', act);
     return button;
   }
 
-  #row(saved, index, picture) {
-    const { id, name, view } = saved;
-    const thumbnail = picture ?? element('span', { className: 'thumbnail' });
-    thumbnail.dataset.view = view;
-    const go = this.#button(`go-${id}`, '', words.go(name), () => this.#go(saved));
+  #row(id) {
+    const thumbnail = element('span', { className: 'thumbnail' });
+    const go = this.#button(`go-${id}`, '', () => this.#go(this.#views.find(id)));
     go.className = 'go';
     go.append(thumbnail);
-    const field = element('input', { type: 'text', value: name, maxLength: longestName, autocomplete: 'off', ariaLabel: words.name });
+    const field = element('input', { type: 'text', maxLength: longestName, autocomplete: 'off', ariaLabel: words.name });
     field.dataset.key = `name-${id}`;
     field.addEventListener('change', () => this.#rename(id, field.value));
-    return element('li', {}, go, field, element('div', { className: 'row' },
-      this.#button(`earlier-${id}`, words.earlier, words.earlierNamed(name), () => this.#views.move(id, -1), index === 0),
-      this.#button(`later-${id}`, words.later, words.laterNamed(name), () => this.#views.move(id, 1), index === this.#views.list.length - 1),
-      this.#button(`update-${id}`, words.update, words.updateNamed(name), () => this.#views.change(id, { view: this.#now })),
-      this.#button(`remove-${id}`, words.remove, words.removeNamed(name), () => this.#remove(id))));
+    const earlier = this.#button(`earlier-${id}`, words.earlier, () => this.#views.move(id, -1));
+    const later = this.#button(`later-${id}`, words.later, () => this.#views.move(id, 1));
+    const update = this.#button(`update-${id}`, words.update, () => this.#update(id));
+    const remove = this.#button(`remove-${id}`, words.remove, () => this.#views.remove(id));
+    const node = element('li', {}, go, field, element('div', { className: 'row' }, earlier, later, update, remove));
+    const show = ({ name, view }, index, count) => {
+      if (field.value !== name) field.value = name;
+      for (const [button, label] of [[go, words.go(name)], [earlier, words.earlierNamed(name)], [later, words.laterNamed(name)], [update, words.updateNamed(name)], [remove, words.removeNamed(name)]]) {
+        button.title = label;
+        button.setAttribute('aria-label', label);
+      }
+      earlier.disabled = index === 0;
+      later.disabled = index === count - 1;
+      if (thumbnail.dataset.view !== view) thumbnail.replaceChildren();
+      thumbnail.dataset.view = view;
+    };
+    return { node, thumbnail, show };
   }
 
   /** What the gallery is to have pictures of: [{ changes, place }]. */
   #pictures() {
     return this.#views.list.flatMap((saved) => {
       const meant = this.#viewer.cloud && this.#meant(saved);
-      const place = find('saved-list').querySelector(`.thumbnail[data-view="${CSS.escape(saved.view)}"]`);
+      const place = this.#rows.get(saved.id)?.thumbnail;
       return meant && place ? [{ changes: { ...meant.style, camera: wireOf(meant.camera, this.#viewer.bounds) }, place }] : [];
     });
   }

@@ -1,56 +1,40 @@
-// A tour's flight from view to view: a centripetal Catmull-Rom spline through what is looked at, the direction from which, and how far
-// away it is, so that the camera never passes through what it looks at, and neither loops nor overshoots between views that are near to
-// each other. It passes each view at its time; where the tour pauses it comes to rest there, elsewhere it only changes its speed
-// smoothly. Pure. `scancast-client path --project` flies the same way (client/cpp/program/tour).
+// A tour's flight from view to view: what is looked at, the direction from which, and how far away it is, each along a cubic through the views that
+// never leaves what lies between two of them (Fritsch, Butland: "A Method for Constructing Local Monotone Piecewise Cubic Interpolants",
+// 1984). So the camera goes round what it looks at and never through it, and neither loops nor overshoots, however unlike the legs are. It passes
+// each view at its time; where the tour pauses it comes to rest there, elsewhere it only changes its speed smoothly. Pure.
+// `scancast-client path --project` flies the same way (client/cpp/program/tour).
 
-import { changed, eyeOf } from '../view/camera.js';
-import { length, subtract } from '../view/vectors.js';
+import { changed } from '../view/camera.js';
 
 const shortWay = (angle) => Math.atan2(Math.sin(angle), Math.cos(angle));
 
-/** [x, y, z of the target, azimuth, elevation, log distance] of each camera, azimuths going on from one to the next. */
+/** [x, y, z of the target, azimuth, elevation, log distance, field of view] of each camera, azimuths going on from one to the next. */
 function placesOf(cameras) {
   let azimuth = cameras[0].azimuth;
   return cameras.map((camera) => {
     azimuth += shortWay(camera.azimuth - azimuth);
-    return [...camera.target, azimuth, camera.elevation, Math.log(camera.distance)];
+    return [...camera.target, azimuth, camera.elevation, Math.log(camera.distance), camera.fov];
   });
 }
 
-/** The spline's parameter at each camera: it grows by the root of how far eye and target go. */
-function knotsOf(cameras) {
-  const ways = cameras.slice(1).map((camera, i) => length(subtract(eyeOf(camera), eyeOf(cameras[i]))) + length(subtract(camera.target, cameras[i].target)));
-  const least = 1e-6 * Math.max(...ways, 1e-9); // where two views are the same
-  return ways.reduce((knots, way) => [...knots, knots.at(-1) + Math.sqrt(Math.max(way, least))], [0]);
-}
+/** At a place between two legs, in legs: their harmonic mean, or none where the way turns back. */
+const slope = (before, after) => (before * after > 0 ? (2 * before * after) / (before + after) : 0);
 
-const mixed = (a, b, t) => a.map((value, i) => value + (b[i] - value) * t);
-
-/** The spline between places i and i + 1 at parameter u, by the pyramid of Barry and Goldman; beyond the ends it goes on straight. */
-function splineAt(places, knots, i, u) {
-  const [u1, u2] = [knots[i], knots[i + 1]];
-  const [p1, p2] = [places[i], places[i + 1]];
-  const [u0, p0] = i > 0 ? [knots[i - 1], places[i - 1]] : [u1 - (u2 - u1), mixed(p2, p1, 2)];
-  const [u3, p3] = i + 2 < places.length ? [knots[i + 2], places[i + 2]] : [u2 + (u2 - u1), mixed(p1, p2, 2)];
-  const share = (from, to) => (u - from) / (to - from);
-  const [a, b, c] = [mixed(p0, p1, share(u0, u1)), mixed(p1, p2, share(u1, u2)), mixed(p2, p3, share(u2, u3))];
-  return mixed(mixed(a, b, share(u0, u2)), mixed(b, c, share(u1, u3)), share(u1, u2));
-}
-
-/** How fast the parameter grows at each camera, for legs of one second: not at all where one rests, else as the legs beside agree (Fritsch and Butland). */
-function speedsOf(knots, rests) {
-  return knots.map((knot, i) => {
-    if (rests || i === 0 || i === knots.length - 1) return 0;
-    const [before, after] = [knot - knots[i - 1], knots[i + 1] - knot];
-    return (2 * before * after) / (before + after);
+/** The slopes of all coordinates at each place: none where one rests. */
+function slopesOf(places, rests, loop) {
+  const last = places.length - 1;
+  const leg = (i) => places[i + 1].map((value, k) => value - places[i][k]);
+  return places.map((place, i) => {
+    if (rests || (!loop && (i === 0 || i === last))) return place.map(() => 0);
+    const [before, after] = [leg(i === 0 ? last - 1 : i - 1), leg(i === last ? 0 : i)];
+    return place.map((_, k) => slope(before[k], after[k]));
   });
 }
 
 export class Tour {
   #cameras;
   #places;
-  #knots;
-  #speeds;
+  #slopes;
   #seconds;
   #pause;
 
@@ -61,8 +45,7 @@ export class Tour {
   constructor(cameras, { seconds, pause, loop = false }) {
     this.#cameras = loop ? [...cameras, cameras[0]] : cameras;
     this.#places = placesOf(this.#cameras);
-    this.#knots = knotsOf(this.#cameras);
-    this.#speeds = speedsOf(this.#knots, pause > 0);
+    this.#slopes = slopesOf(this.#places, pause > 0, loop);
     this.#seconds = seconds;
     this.#pause = pause;
   }
@@ -89,13 +72,10 @@ export class Tour {
   }
 
   #between(i, s) {
-    const [from, to] = [this.#knots[i], this.#knots[i + 1]];
     const [s2, s3] = [s * s, s * s * s];
-    // A cubic whose slopes are positive and no more than three times the mean one: time never goes back.
-    const u = from * (2 * s3 - 3 * s2 + 1) + to * (3 * s2 - 2 * s3) + this.#speeds[i] * (s3 - 2 * s2 + s) + this.#speeds[i + 1] * (s3 - s2);
-    const [x, y, z, azimuth, elevation, far] = splineAt(this.#places, this.#knots, i, u);
+    const [x, y, z, azimuth, elevation, far, fov] = this.#places[i].map((from, k) => (
+      from * (2 * s3 - 3 * s2 + 1) + this.#places[i + 1][k] * (3 * s2 - 2 * s3) + this.#slopes[i][k] * (s3 - 2 * s2 + s) + this.#slopes[i + 1][k] * (s3 - s2)));
     const { near, far: cutOff, ...camera } = this.#cameras[i];
-    const share = (u - from) / (to - from);
-    return changed({ ...camera, fov: camera.fov + (this.#cameras[i + 1].fov - camera.fov) * share }, { target: [x, y, z], azimuth, elevation, distance: Math.exp(far) });
+    return changed({ ...camera, fov }, { target: [x, y, z], azimuth, elevation, distance: Math.exp(far) });
   }
 }

@@ -17,6 +17,7 @@ export const picture = {
   parts: { scale: 'Scale bar', legend: 'Legend', north: 'North', credit: 'Title and attribution' },
   noNorth: 'The scan does not say where north is.',
   plain: 'A picture of that size comes without scale bar, legend, north and title: no browser can draw on it.',
+  leftOnly: 'Of two sides that are compared, the left one is saved.',
   save: 'Save',
   cancel: 'Cancel',
   close: 'Close',

@@ -31,6 +31,8 @@ export const views = {
   unreadableDetail: 'Its view says nothing that this page understands.',
   tooMany: 'There are too many saved views',
   tooManyDetail: (most) => `${most} is the most. Save the project, and delete some.`,
+  tooLong: 'This view cannot be saved',
+  tooLongDetail: 'It says more than an address has room for: fewer shapes that cut, or fewer classes, would do.',
   tooFew: 'A tour needs two saved views',
   tooFewDetail: 'Save another one under Views (V).',
   otherAxis: 'This tour cannot be played',

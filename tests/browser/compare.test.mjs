@@ -126,6 +126,18 @@ describe('comparing', { timeout: 290_000 }, () => {
     assert.ok([...server.sessions].every(({ cloud }) => cloud.id === 'ring'));
   });
 
+  it('a cloud that goes away is told on its side, and by nothing that comes again and again', async () => {
+    await begin();
+    await page.selectOption('#compare-cloud', 'helix');
+    await isTrue(() => [...server.sessions].some(({ cloud }) => cloud.id === 'helix'), 'it is shown');
+    server.remove('helix');
+    await page.waitForFunction(() => document.querySelector('.side.right').textContent.includes('no scan named helix'));
+    assert.ok(!(await page.locator('#other-side.drawn').count()), 'nothing else stands there in its place');
+    await page.selectOption('#compare-cloud', '');
+    await page.waitForSelector('#other-side.drawn');
+    page.complaints = page.complaints.filter((text) => !text.includes('404'));
+  });
+
   for (const options of [{ colorScheme: 'light' }, { colorScheme: 'dark', viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }]) {
     it(`axe finds nothing in the ${options.colorScheme} theme, ${options.isMobile ? 'on a phone' : 'on a desk'}`, async () => {
       await closePage(page);

@@ -104,7 +104,7 @@ describe('saving pictures', { timeout: 290_000 }, () => {
   it('sizes that are none are refused, those that no browser draws on come plain, and say so; a wait can be given up', async () => {
     const fake = new FakeServer();
     fake.snapshotMs = 60_000;
-    await withPage(async (page) => {
+    const run = async () => withPage(async (page) => {
       await sized(page, 20_000, 600);
       assert.ok(await page.isVisible('#picture-refusal') && await page.isDisabled('#picture-save'));
       await sized(page, 16_384, 16_384);
@@ -125,6 +125,6 @@ describe('saving pictures', { timeout: 290_000 }, () => {
       await page.keyboard.press('Escape');
       assert.ok(!(await page.isVisible('#picture-dialog')));
     }, await fake.start(), { colorScheme: 'light', viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
-    await fake.stop();
+    await run().finally(() => fake.stop());
   });
 });

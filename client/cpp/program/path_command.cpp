@@ -90,6 +90,8 @@ Expected<ProjectTours> readProject(const std::string& file) {
 Expected<void> run(const PathFlags& flags) {
     if (flags.file.empty() == flags.project.empty())
         return fail(ErrorCode::InvalidArgument, "give either FILE, with key frames, or --project");
+    if (flags.project.empty() && !flags.tour.empty())
+        return fail(ErrorCode::InvalidArgument, "--tour names a tour of --project; FILE has none");
     std::optional<ProjectTours> project;
     if (!flags.project.empty()) {
         auto read = readProject(flags.project);

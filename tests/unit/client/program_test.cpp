@@ -236,6 +236,8 @@ TEST_F(Program, PathFilmsATourOfAProject) {
     EXPECT_NE(run(command + "x --tour Flight").output.find("Walk"), std::string::npos);
     EXPECT_NE(run(command + "x --fov 20").output.find("camera of a tour"), std::string::npos);
     EXPECT_NE(run("path " + fake.text() + " -o x").output.find("--project"), std::string::npos);
+    EXPECT_NE(run("path " + fake.text() + " flight.json --tour Walk -o x").output.find("--tour"),
+              std::string::npos);
     write("elsewhere");
     EXPECT_NE(run(command + "x").output.find("elsewhere"), std::string::npos)
         << "the project says which cloud";

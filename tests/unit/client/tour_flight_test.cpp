@@ -111,6 +111,28 @@ TEST(TourFlight, AlongALineItNeverGoesBack) {
     }
 }
 
+// Legs of 1 : 1000, much turning beside none: right because nothing leaves what its leg's ends have.
+TEST(TourFlight, HoweverUnlikeItsLegsAreItNeitherLoopsNorOvershoots) {
+    const auto away = [](const std::string& name, double x, double y) {
+        return Saved{name, {{"eye", spelled(x, y, 0)}, {"target", "0,0,0"}}};
+    };
+    for (const double pause : {0.0, 2.0}) {
+        const auto flight = flightOf(projectOf({away("a", 1, 0), away("b", 0, 1), away("c", 0, 1000),
+                                                away("d", 0, 10), away("e", 0, 1), away("f", 0, 900)},
+                                               4, pause));
+        const std::vector<double> distances{1, 1, 1000, 10, 1, 900};
+        for (double time = 0; time <= flight.seconds(); time += 0.05) {
+            const auto leg = std::min<std::size_t>(4, static_cast<std::size_t>(time / (4 + pause)));
+            const auto eye = flight.at(time).camera.eye;
+            const double distance = glm::length(eye);
+            EXPECT_GE(distance, std::min(distances[leg], distances[leg + 1]) * (1 - 1e-6)) << time;
+            EXPECT_LE(distance, std::max(distances[leg], distances[leg + 1]) * (1 + 1e-6)) << time;
+            EXPECT_GE(eye.x, -1e-6 * distance) << "no turn that nobody asked for, " << time;
+            EXPECT_GE(eye.y, -1e-6 * distance) << time;
+        }
+    }
+}
+
 TEST(TourFlight, FromTheTopToASideAndBackIntoPerspective) {
     const auto flight = flightOf(
         projectOf({{"top",

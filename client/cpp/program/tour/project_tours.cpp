@@ -97,6 +97,7 @@ Expected<void> readViews(FieldReader& file, ProjectTours& project) {
         fields.text("name", view.name, longestName);
         fields.require("view");
         fields.text("view", address, longestView);
+        if (view.name.empty()) fields.error("name", "is empty");
         if (auto ok = fields.finishLenient(); !ok) return ok;
         if (std::ranges::find(project.views, view.name, &ProjectView::name) != project.views.end())
             return Expected<void>(
@@ -121,6 +122,9 @@ Expected<void> readTours(FieldReader& file, ProjectTours& project) {
             fields.error("seconds", "must lie between 0.2 and 600");
         if (!(tour.pause >= 0 && tour.pause <= mostSeconds))
             fields.error("pause", "must lie between 0 and 600");
+        if (tour.name.empty()) fields.error("name", "is empty");
+        if (std::ranges::find(project.tours, tour.name, &ProjectTour::name) != project.tours.end())
+            fields.error("name", "there are two of this name");
         if (auto ok = fields.finishLenient(); !ok) return ok;
         if (!stops)
             tour.stops = allOf(project.views);

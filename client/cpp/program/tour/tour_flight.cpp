@@ -45,11 +45,9 @@ glm::dvec3 backOf(double azimuth, double elevation, int axis) {
                    axis);
 }
 
-template <typename Place>
-Place mixed(const Place& a, const Place& b, double t) {
-    Place result;
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = a[i] + (b[i] - a[i]) * t;
-    return result;
+/// At a place between two legs: their harmonic mean, or none where the way turns back.
+double slopeBetween(double before, double after) {
+    return before * after > 0 ? 2 * before * after / (before + after) : 0;
 }
 
 Error ofView(const std::string& name, Error error) {
@@ -75,9 +73,9 @@ Expected<TourFlight::Stop> TourFlight::stopOf(View view, int upAxis) {
     const bool orthographic = camera.projection == Projection::Orthographic;
     const double fov = orthographic ? usualFov : camera.fov;
     const double distance = orthographic ? camera.viewHeight / (2 * tangentOf(fov)) : away;
-    const Place place{camera.target.x, camera.target.y, camera.target.z,
-                      azimuth,         elevation,       std::log(distance)};
-    return Stop{std::move(view), place, fov, 0, 0};
+    const Place place{
+        camera.target.x, camera.target.y, camera.target.z, azimuth, elevation, std::log(distance), fov};
+    return Stop{std::move(view), place};
 }
 
 Expected<TourFlight> TourFlight::create(const View& base, const ProjectTours& project,
@@ -114,59 +112,32 @@ Expected<TourFlight> TourFlight::create(const View& base, const ProjectTours& pr
         }
         flight.stops_.push_back(std::move(*stop));
     }
-    flight.placeKnots(tour.pause > 0);
+    if (!(tour.pause > 0)) flight.findSlopes(tour.loop);
     return flight;
 }
 
-void TourFlight::placeKnots(bool rests) {
-    const auto eyeOf = [&](const Stop& stop) {
-        const auto& p = stop.place;
-        return glm::dvec3(p[0], p[1], p[2]) + backOf(p[3], p[4], upAxis_) * std::exp(p[5]);
-    };
-    std::vector<double> ways;
-    for (std::size_t i = 1; i < stops_.size(); ++i) {
-        const auto &from = stops_[i - 1], &to = stops_[i];
-        ways.push_back(glm::distance(eyeOf(from), eyeOf(to)) +
-                       glm::distance(from.view.camera.target, to.view.camera.target));
+void TourFlight::findSlopes(bool loop) {
+    const std::size_t last = stops_.size() - 1;
+    for (std::size_t i = 0; i <= last; ++i) {
+        if (!loop && (i == 0 || i == last)) continue;
+        const std::size_t before = i == 0 ? last - 1 : i - 1, after = i == last ? 0 : i;
+        const auto leg = [&](std::size_t from, std::size_t k) {
+            return stops_[from + 1].place[k] - stops_[from].place[k];
+        };
+        for (std::size_t k = 0; k < stops_[i].place.size(); ++k)
+            stops_[i].slope[k] = slopeBetween(leg(before, k), leg(after, k));
     }
-    const double least = 1e-6 * std::max(std::ranges::max(ways), 1e-9);  // where two views are the same
-    for (std::size_t i = 0; i < ways.size(); ++i)
-        stops_[i + 1].knot = stops_[i].knot + std::sqrt(std::max(ways[i], least));
-    if (rests) return;
-    // As the legs beside agree (Fritsch and Butland): slopes of a cubic that never goes back.
-    for (std::size_t i = 1; i + 1 < stops_.size(); ++i) {
-        const double before = stops_[i].knot - stops_[i - 1].knot,
-                     after = stops_[i + 1].knot - stops_[i].knot;
-        stops_[i].speed = 2 * before * after / (before + after);
-    }
-}
-
-/// By the pyramid of Barry and Goldman; beyond the ends the curve goes on straight.
-TourFlight::Place TourFlight::splineAt(std::size_t i, double u) const {
-    const auto &from = stops_[i], &to = stops_[i + 1];
-    const double u1 = from.knot, u2 = to.knot;
-    const Place &p1 = from.place, &p2 = to.place;
-    const double u0 = i > 0 ? stops_[i - 1].knot : u1 - (u2 - u1);
-    const Place p0 = i > 0 ? stops_[i - 1].place : mixed(p2, p1, 2);
-    const bool hasNext = i + 2 < stops_.size();
-    const double u3 = hasNext ? stops_[i + 2].knot : u2 + (u2 - u1);
-    const Place p3 = hasNext ? stops_[i + 2].place : mixed(p1, p2, 2);
-    const auto share = [u](double a, double b) { return (u - a) / (b - a); };
-    const Place a = mixed(p0, p1, share(u0, u1)), b = mixed(p1, p2, share(u1, u2)),
-                c = mixed(p2, p3, share(u2, u3));
-    return mixed(mixed(a, b, share(u0, u2)), mixed(b, c, share(u1, u3)), share(u1, u2));
 }
 
 View TourFlight::between(std::size_t i, double s) const {
     const auto &from = stops_[i], &to = stops_[i + 1];
     const double s2 = s * s, s3 = s2 * s;
-    const double u = from.knot * (2 * s3 - 3 * s2 + 1) + to.knot * (3 * s2 - 2 * s3) +
-                     from.speed * (s3 - 2 * s2 + s) + to.speed * (s3 - s2);
-    const auto place = splineAt(i, u);
-    const double elevation = std::clamp(place[4], -quarterTurn, quarterTurn);
-    const double share = (u - from.knot) / (to.knot - from.knot);
-    const double fov = from.fov + (to.fov - from.fov) * share;
-    double distance = std::exp(place[5]);
+    Place place;
+    for (std::size_t k = 0; k < place.size(); ++k)
+        place[k] = from.place[k] * (2 * s3 - 3 * s2 + 1) + to.place[k] * (3 * s2 - 2 * s3) +
+                   from.slope[k] * (s3 - 2 * s2 + s) + to.slope[k] * (s3 - s2);
+    const double elevation = std::clamp(place[4], -quarterTurn, quarterTurn), fov = place[6];
+    double distance = std::clamp(std::exp(place[5]), 1e-6, 1e11);  // as the page's cameras are
 
     View view = from.view;
     auto& camera = view.camera;

@@ -1,8 +1,8 @@
-// A flight along the views of a tour: a centripetal Catmull-Rom spline (Yuksel, Schaefer, Keyser: "Parameterization and
-// Applications of Catmull-Rom Curves", 2011) through what is looked at, the direction from which, and how far away it is,
-// so that the camera never passes through what it looks at and neither loops nor overshoots between views that are near to
-// each other. It passes each view at its time; where the tour pauses it comes to rest there, elsewhere it only changes its
-// speed smoothly. The page flies the same way (client/web/views/tour.js).
+// A flight along the views of a tour: what is looked at, the direction from which, and how far away it is, each along a cubic
+// through the views that never leaves what lies between two of them (Fritsch, Butland: "A Method for Constructing Local
+// Monotone Piecewise Cubic Interpolants", 1984). So the camera goes round what it looks at and never through it, and neither
+// loops nor overshoots, however unlike the legs are. It passes each view at its time; where the tour pauses it comes to rest
+// there, elsewhere it only changes its speed smoothly. The page flies the same way (client/web/views/tour.js).
 //
 // Plain values; any thread. Pipeline: project file → **TourFlight** → film.
 #pragma once
@@ -36,21 +36,18 @@ class TourFlight {
     View at(double time) const;
 
   private:
-    /// Target, azimuth, elevation (radians), logarithm of the distance.
-    using Place = std::array<double, 6>;
+    /// Target, azimuth, elevation (radians), logarithm of the distance, field of view (degrees; of an orthographic view, that
+    /// of a perspective one that sees as much at its target).
+    using Place = std::array<double, 7>;
     struct Stop {
         View view;
         Place place;
-        double
-            fov;  ///< degrees; of an orthographic view, that of a perspective one that sees as much at its target
-        double knot;   ///< the spline's parameter: it grows by the root of how far eye and target go
-        double speed;  ///< how fast that grows here, in legs of one second
+        Place slope{};  ///< how each of them changes there, in legs
     };
     TourFlight() = default;
 
     static Expected<Stop> stopOf(View view, int upAxis);
-    void placeKnots(bool rests);
-    Place splineAt(std::size_t i, double u) const;
+    void findSlopes(bool loop);
     View between(std::size_t i, double s) const;
 
     std::vector<Stop> stops_;

@@ -225,7 +225,7 @@ describe('notes, saved views and tours', { timeout: 290_000 }, () => {
     await page.mouse.down();
     await page.mouse.move(760, 300, { steps: 3 });
     await page.mouse.up();
-    assert.ok(!(await page.isVisible('#touring')));
+    await page.waitForSelector('#touring', { state: 'hidden' });
   }));
 
   for (const options of [{ colorScheme: 'light' }, { colorScheme: 'dark', ...phone }]) {

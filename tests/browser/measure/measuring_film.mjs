@@ -51,7 +51,7 @@ const click = async (to) => {
   await go(to);
   await page.mouse.down();
   await page.mouse.up();
-  await page.waitForTimeout(500); // until the server has found the point
+  await page.waitForTimeout(900); // until the server has found the point
   await take(3);
 };
 const drag = async (to, steps = 16) => {

@@ -26,6 +26,7 @@ set(SCANCAST_WEB_FILES
     export/exporting.js
     export/region.js
     export/saving.js
+    export/sizes.js
     measure/answers.js
     measure/beginning.js
     measure/card.js

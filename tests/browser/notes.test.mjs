@@ -216,6 +216,7 @@ describe('notes, saved views and tours', { timeout: 290_000 }, () => {
     await page.waitForSelector('#touring', { state: 'visible' });
     await page.keyboard.press('1'); // whoever wants to be elsewhere gets there
     await page.waitForSelector('#touring', { state: 'hidden' });
+    await page.waitForTimeout(600); // its flight
     await page.emulateMedia({ reducedMotion: 'reduce' });
     await page.evaluate(() => { globalThis.seen = []; });
     await page.keyboard.press('j');

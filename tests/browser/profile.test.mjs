@@ -9,7 +9,8 @@ import { readFileSync } from 'node:fs';
 import { after, before, describe, it } from 'node:test';
 
 import { project } from '../../client/web/view/camera.js';
-import { isTrue, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { isTrue, openPage, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { clouds, FakeServer } from './support/fake_server.mjs';
 import { RealServer } from './support/real_server.mjs';
 import { courtOrigin, courtSpacing, writeCourt } from './support/scans.mjs';
 
@@ -172,6 +173,11 @@ describe('a profile', { timeout: 250_000 }, () => {
 
   it('is worked by keys alone; heights are drawn larger; the panel has the height that one gives it; only the corridor is shown', () => withPage(async (page) => {
     await drawAcross(page);
+    // Wider: how many points there are is told anew, and one goes on looking where one does.
+    const told = await page.textContent('#profile-said');
+    await page.fill('#profile-width', '1.5');
+    await page.keyboard.press('Enter');
+    await page.waitForFunction((before) => /in the corridor/.test(document.getElementById('profile-said').textContent) && document.getElementById('profile-said').textContent !== before, told);
     await page.selectOption('#profile-exaggeration', '5');
     await isTrue(() => page.asked.at(-1).picture.exaggeration === 5, 'heights five times as large');
     await page.focus('#profile-plot');
@@ -202,7 +208,7 @@ describe('a profile', { timeout: 250_000 }, () => {
     await page.click('#profile-only');
     await page.waitForTimeout(300);
     await waitUntilSharp(page);
-    assert.ok(await background() < 0.1, 'the corridor alone');
+    assert.ok(await background() < 0.2, 'the corridor alone');
     assert.equal(await page.evaluate(() => document.getElementById('view').viewer.view.clips.length), 1);
     await isTrue(() => page.asked.at(-1).region.clips?.length === 1, 'the profile is of what is shown');
     await page.click('#profile-again');
@@ -211,6 +217,24 @@ describe('a profile', { timeout: 250_000 }, () => {
     await page.keyboard.press('Escape');
     assert.ok(!(await page.isVisible('#profiling')));
   }));
+
+  it('is not offered where another axis is up: the server\'s profiles stand on x and y', async () => {
+    const fake = new FakeServer();
+    fake.clouds = [{ ...clouds[0], look: undefined, view: { ...clouds[0].view, camera: { ...clouds[0].view.camera, up: [0, 1, 0] } } }];
+    await fake.start();
+    const page = await openPage(browser, `http://127.0.0.1:${fake.port}/`);
+    try {
+      await waitUntilSharp(page);
+      await page.click('#tool-profile');
+      await page.waitForFunction(() => /another axis is up/.test(document.getElementById('profile-how')?.textContent ?? ''));
+      await page.mouse.click(500, 300);
+      await page.waitForTimeout(200);
+      assert.equal(await page.locator('#profile-marks .point').count(), 0);
+    } finally {
+      await page.context().close();
+      await fake.stop();
+    }
+  });
 
   for (const options of [{ colorScheme: 'light' }, { colorScheme: 'dark', viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }]) {
     it(`axe finds nothing in the ${options.colorScheme} theme, ${options.isMobile ? 'on a phone' : 'on a desk'}`, () => withPage(async (page) => {

@@ -5,22 +5,16 @@ import { element } from '../page/parameter_fields.js';
 import { putCard } from '../page/lazy_tools.js';
 import { counted, strings } from '../page/strings.js';
 import { exporting as words } from '../page/strings/export.js';
-import { post, postSoon } from './asking.js';
+import { postSoon } from './asking.js';
 import { card } from './card.js';
 import { countIn, fileName, limitsOf, regionOf } from './region.js';
-import { chooseTarget, mostInBlob, save, writesFiles } from './saving.js';
+import { sizeText } from './sizes.js';
+import { chooseTarget, mostInBlob, saveAnswer, writesFiles } from './saving.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const countAfterMs = 250;
 const headBytes = 4096;
-
-/** "1.2 MB". Pure. */
-export function sizeText(bytes) {
-  const [unit, size] = bytes >= 1e9 ? ['GB', 1e9] : bytes >= 1e6 ? ['MB', 1e6] : ['kB', 1e3];
-  const number = bytes / size;
-  return `${number >= 100 ? Math.round(number) : Number(number.toPrecision(2))} ${unit}`;
-}
 
 export class Exporting {
   #viewer;
@@ -80,6 +74,11 @@ export class Exporting {
   #changed() {
     const which = find('exporting').querySelector('[name=export-region]:checked').value;
     find('export-outline').hidden = which !== 'polygon';
+    this.#say(''); // of what was chosen before
+    this.#countSoon();
+  }
+
+  #countSoon() {
     this.#counting?.abort();
     this.#known = undefined;
     clearTimeout(this.#timer);
@@ -154,15 +153,14 @@ export class Exporting {
       if (!target) return;
       this.#busy(true);
       this.#say(words.waiting);
-      const response = await post(this.#viewer.server, cloud.id, 'points', question, saving.signal);
-      const losses = response.headers.get('Scancast-Losses');
       let shown = 0;
-      const bytes = await save(response, target, (done) => {
+      const { response, bytes } = await saveAnswer(() => postSoon(this.#viewer.server, cloud.id, 'points', question, saving.signal), target, (done) => {
         if (performance.now() - shown < 120) return;
         shown = performance.now();
         this.#say(words.saving(sizeText(done), expected && sizeText(expected)));
         if (expected) find('export-progress').value = Math.min(1, done / expected);
       }, saving.signal);
+      const losses = response.headers.get('Scancast-Losses');
       this.#say([words.saved(target.name, sizeText(bytes)), losses && words.losses(losses.replace(/^"|"$/g, '').replaceAll('", "', '; '))].filter(Boolean).join(' '));
     } catch (/** @type {any} */ error) {
       if (saving.signal.aborted) this.#say(words.stopped);
@@ -171,6 +169,7 @@ export class Exporting {
     } finally {
       this.#saving = undefined;
       this.#busy(false);
+      if (!this.#known && find('exporting').open) this.#countSoon(); // it gave way to the file
     }
   }
 }

@@ -6,8 +6,10 @@ export const mostInBlob = 2e9;
 
 const types = { las: 'application/vnd.las', ply: 'application/octet-stream', csv: 'text/csv', txt: 'text/plain', png: 'image/png' };
 
-/** Whether files can be written while they come. */
-export const writesFiles = () => typeof globalThis.showSaveFilePicker === 'function';
+let isRefused = false; // a browser that could, and may not here: a page within another website's
+
+/** Whether files can be written while they come, as far as one knows before one tries. */
+export const writesFiles = () => typeof globalThis.showSaveFilePicker === 'function' && !isRefused;
 
 /** Hands a Blob to the browser as a download. */
 export function downloadBlob(name, blob) {
@@ -17,31 +19,35 @@ export function downloadBlob(name, blob) {
 }
 
 /**
- * Where the file is to go: { name, begin() }; undefined where the user chose none. To be called by a click, before anything is awaited.
- * `begin()` resolves to { write(chunk), close(), abort() }.
+ * Where the file is to go: { name, isBlob, begin(), discard() }; undefined where the user chose none. To be called by a click, before anything is awaited.
+ * `begin()` resolves to { write(chunk), close(), abort() }; `discard()` is for a target that has not begun: no empty file is to stay.
  */
 export async function chooseTarget(name, format) {
-  if (!writesFiles()) return { name, begin: async () => blobTarget(name, format) };
+  if (!writesFiles()) return blobsPlace(name, format);
   try {
     const handle = await /** @type {any} */ (globalThis).showSaveFilePicker({
       suggestedName: name, types: [{ accept: { [types[format] ?? 'application/octet-stream']: [`.${format}`] } }],
     });
-    return { name: handle.name, async begin() {
+    const discard = async () => handle.remove?.().catch(() => {}); // it was made, empty, when it was chosen
+    return { name: handle.name, isBlob: false, discard, async begin() {
       const file = await handle.createWritable();
       return {
         write: (chunk) => file.write(chunk),
         close: () => file.close(),
         async abort() {
           await file.abort().catch(() => {});
-          await handle.remove?.().catch(() => {}); // it was made, empty, when it was chosen
+          await discard();
         },
       };
     } };
   } catch (/** @type {any} */ error) {
     if (error.name === 'AbortError') return undefined;
-    return { name, begin: async () => blobTarget(name, format) }; // a browser that has it, and does not allow it here
+    isRefused = true;
+    return blobsPlace(name, format);
   }
 }
+
+const blobsPlace = (name, format) => ({ name, isBlob: true, discard: async () => {}, begin: async () => blobTarget(name, format) });
 
 /** A stream of chunks becomes a Blob, outside of the page's own memory where the browser can. */
 function blobTarget(name, format) {
@@ -75,7 +81,7 @@ export async function save(response, target, told, signal) {
       signal?.throwIfAborted();
       if (done) break;
       bytes += value.length;
-      if (!writesFiles() && bytes > mostInBlob) throw new RangeError('more than this browser takes');
+      if (target.isBlob && bytes > mostInBlob) throw new RangeError('more than this browser takes');
       await sink.write(value);
       told(bytes);
     }
@@ -88,4 +94,16 @@ export async function save(response, target, told, signal) {
   } finally {
     signal?.removeEventListener('abort', end);
   }
+}
+
+/** The same for an answer that is asked for by `ask()`; where that is refused, nothing stays of the target. */
+export async function saveAnswer(ask, target, told, signal) {
+  let response;
+  try {
+    response = await ask();
+  } catch (error) {
+    await target.discard();
+    throw error;
+  }
+  return { response, bytes: await save(response, target, told, signal) };
 }

@@ -1,12 +1,11 @@
 // Files in and out: exports and the project as downloads, a project that is opened or dropped onto the page.
 
+import { downloadBlob } from '../export/saving.js';
 import { mostBytes, parseProject, ProjectError } from './project.js';
 
 /** Hands a text to the browser as a download. */
 export function download(name, type, text) {
-  const url = URL.createObjectURL(new Blob([text], { type }));
-  Object.assign(document.createElement('a'), { href: url, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+  downloadBlob(name, new Blob([text], { type }));
 }
 
 /** The project in a File; rejects with a ProjectError. */

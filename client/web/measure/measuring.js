@@ -81,8 +81,8 @@ export class Measuring {
   /** The project whose measures these are. */
   get keeping() { return this.#keeping; }
 
-  /** Outlines that have been measured, for what is asked of the points within: [{ name, points }]. */
-  get outlines() { return this.#measures.list.filter(({ kind }) => kinds[kind].closed).map(({ name, points }) => ({ name, points })); }
+  /** Outlines that have been measured in plan, for what is asked of the points within: [{ name, points }]; of models with Y up there are none. */
+  get outlines() { return this.#measures.list.filter(({ kind, up }) => kinds[kind].closed && up === 'z').map(({ name, points }) => ({ name, points })); }
 
   activate(isActive = !this.#isActive) {
     if (isActive === this.#isActive) return;

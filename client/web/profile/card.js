@@ -26,6 +26,7 @@ export const card = `
     <button type="button" id="profile-again" data-text="again"></button>
     <button type="button" id="profile-only" data-text="onlyThis" data-tip="onlyThisTip"></button>
     <button type="button" id="profile-save" popovertarget="profile-files" data-text="save" data-tip="saveTip"></button>
+    <button type="button" id="profile-stop" data-text="stop" hidden></button>
     <span class="space"></span>
     <select id="profile-exaggeration" data-label="exaggeration" data-tip="exaggeration"></select>
     <button type="button" id="profile-farther" data-label="farther" data-tip="farther">−</button>

@@ -20,7 +20,7 @@ export class ProfilePanel {
 
   /**
    * `does`: wants(edges, view, ratio) - a picture of that part; placeOf({ station, height }), in the scan's coordinates; hover(that, or undefined); again();
-   * only(); save(format); close()
+   * only(); save(format); stop(), of what is being saved; close()
    */
   constructor(does) {
     this.#does = does;
@@ -52,7 +52,9 @@ export class ProfilePanel {
       files.style.left = `${Math.max(4, Math.min(left, innerWidth - 190))}px`;
       files.style.top = `${Math.min(bottom + 4, innerHeight - 210)}px`;
     });
+    find('profile-stop').addEventListener('click', () => does.stop());
     this.#resizer(find('profile-resize'));
+    addEventListener('resize', () => this.isOpen && this.#setHeight(this.#height));
   }
 
   get isOpen() { return !find('profile-panel').hidden; }
@@ -63,6 +65,13 @@ export class ProfilePanel {
     document.body.classList.toggle('with-profile', isOpen);
     if (!isOpen) find('profile-files').hidePopover();
     this.#setHeight(this.#height);
+  }
+
+  /** `text`: how far the file is that is being saved; undefined where none is. */
+  saving(text) {
+    find('profile-stop').hidden = text === undefined;
+    if (text !== undefined) find('profile-stop').title = text;
+    find('profile-said').textContent = text ?? '';
   }
 
   /** What stands over the plot while there is no picture of it; '' for nothing. */

@@ -38,12 +38,13 @@ export class Plot {
     canvas.addEventListener('pointerleave', () => this.#downs.size === 0 && this.#point(undefined));
     canvas.addEventListener('wheel', (event) => {
       event.preventDefault();
-      this.#change(zoomed(this.#view, this.#plot, this.#at(event), Math.exp(-0.0016 * event.deltaY), this.#profile.length));
+      if (this.#view) this.#change(zoomed(this.#view, this.#plot, this.#at(event), Math.exp(-0.0016 * event.deltaY), this.#profile.length));
     }, { passive: false });
     canvas.addEventListener('keydown', (event) => this.#key(event));
     canvas.addEventListener('blur', () => this.#point(undefined));
     new ResizeObserver(() => this.#resized()).observe(canvas);
     matchMedia('(prefers-color-scheme: light)').addEventListener('change', () => this.paint());
+    new MutationObserver(() => this.paint()).observe(document.documentElement, { attributes: true, attributeFilter: ['data-theme'] }); // themes.js
   }
 
   get view() { return this.#view; }
@@ -57,6 +58,8 @@ export class Plot {
     this.#view = this.#picture = this.#pixels = this.#profile = this.#cross = undefined;
     this.#places = [];
     clearTimeout(this.#timer);
+    this.#does.measured([]);
+    this.#does.hover(undefined);
     this.paint();
   }
 
@@ -64,6 +67,12 @@ export class Plot {
   know(profile) {
     this.#profile = profile;
     this.fit();
+  }
+
+  /** The same line, of which other points are shown now: one goes on looking where one does. */
+  renew(profile) {
+    this.#profile = profile;
+    this.ask();
   }
 
   fit() {

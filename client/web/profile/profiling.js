@@ -3,11 +3,13 @@
 
 import { mostShapes } from '../clip/box.js';
 import { postSoon } from '../export/asking.js';
-import { chooseTarget, downloadBlob, save } from '../export/saving.js';
+import { sizeText } from '../export/sizes.js';
+import { chooseTarget, downloadBlob, saveAnswer } from '../export/saving.js';
 import { Draft } from '../measure/draft.js';
 import { stepOf } from '../measure/hand.js';
 import { pickOr } from '../measure/picking.js';
 import { measuresLengths, unitOf, valueText } from '../measure/units.js';
+import { usualUpAxis } from '../view/usual.js';
 import { putCard } from '../page/lazy_tools.js';
 import { counted, strings } from '../page/strings.js';
 import { profile as words } from '../page/strings/profile.js';
@@ -37,6 +39,7 @@ export class Profiling {
   #width;
   #moved; // the points while one of them is being dragged
   #asking; // of the picture that is on its way
+  #saving; // of the file that is
   #counted; // what the view shows of the scan, as it was asked for last
   #timer;
 
@@ -54,7 +57,7 @@ export class Profiling {
     this.#panel = new ProfilePanel({
       wants: (edges, view, ratio) => this.#askPart(edges, view, ratio), placeOf: (place) => [...placeAt(this.#line, place.station), place.height],
       hover: (place) => this.#marks.spot(place && [...placeAt(this.#line, place.station), place.height]),
-      again: () => this.#again(), only: () => this.#only(), save: (format) => this.#save(format), close: () => this.activate(false),
+      again: () => this.#again(), only: () => this.#only(), save: (format) => this.#save(format), stop: () => this.#saving?.abort(), close: () => this.activate(false),
     });
     const on = (id, act) => find(id).addEventListener('click', act);
     on('close-profiling', () => this.activate(false));
@@ -79,6 +82,7 @@ export class Profiling {
     else {
       this.#page.reading.give(this.#hand);
       this.#asking?.abort();
+      this.#saving?.abort();
       document.body.classList.remove('aiming');
       find('picture').focus({ preventScroll: true, focusVisible: false });
     }
@@ -94,6 +98,9 @@ export class Profiling {
     const isOther = cloud.id !== this.#cloud?.id;
     this.#cloud = cloud;
     if (isOther) {
+      this.#asking?.abort();
+      this.#saving?.abort();
+      this.#panel.plot.begin();
       this.#draft = this.#moved = undefined;
       this.#points = [];
       // Some spacings of the scan, and as thick as a wall.
@@ -103,6 +110,8 @@ export class Profiling {
       find('profile-unit').textContent = unitOf(cloud.crsUnit, undefined).name;
       this.#panel.show(false, cloud);
     }
+    else if (this.#panel.isOpen && !this.#panel.plot.view) this.#draw(); // the first picture had failed
+    else this.#viewChanged(); // there may be more of it by now
     find('profile-only').hidden = !Object.hasOwn(cloud.view ?? {}, 'clips'); // an older server
     this.#show();
   }
@@ -128,7 +137,8 @@ export class Profiling {
 
   // ---- the line
 
-  get #isAble() { return measuresLengths(this.#cloud?.crsUnit); }
+  get #isUpright() { return !this.#cloud || usualUpAxis(this.#cloud) === 'z'; } // the server's profiles stand on x and y
+  get #isAble() { return measuresLengths(this.#cloud?.crsUnit) && this.#isUpright; }
 
   async #place(cursor) {
     if (!this.#cloud || !this.#isAble || (!this.#draft && this.#points.length > 0)) return;
@@ -241,7 +251,7 @@ export class Profiling {
       pending: draft ? [...placed.map(({ pending }) => pending), true] : [],
     });
     if (!this.#isActive) return;
-    const how = !this.#isAble ? words.degrees : this.#points.length > 0 && !draft ? words.drawn : words.how(touch.matches);
+    const how = !this.#isUpright ? words.notUpright : !this.#isAble ? words.degrees : this.#points.length > 0 && !draft ? words.drawn : words.how(touch.matches);
     find('profile-how').textContent = draft && !touch.matches ? `${how} ${words.keys}` : how;
     find('profile-draft').hidden = !draft;
     if (draft) find('profile-done').disabled = draft.lacks > 0 || draft.closing;
@@ -255,7 +265,13 @@ export class Profiling {
     this.#panel.show(true, this.#cloud);
     this.#counted = this.#shownAs;
     if (isSameLine && plot.view) {
-      plot.ask();
+      const small = wholeQuestion(this.#profile, this.#viewer.view, { width: 64, height: 32 }); // for what it tells, not for its pixels
+      await this.#ask(small, words.none, (told, image) => {
+        image.close();
+        find('profile-said').textContent = words.points(counted(told.points, 'point'));
+        this.#panel.say('');
+        plot.renew({ length: told.length, heights: told.heights });
+      });
       return;
     }
     plot.begin();
@@ -299,6 +315,7 @@ export class Profiling {
       if (isEmpty(error)) {
         plot.show(undefined);
         this.#panel.say(nothing);
+        if (nothing === words.none) find('profile-said').textContent = nothing;
         return;
       }
       this.#panel.say(plot.view ? '' : words.failed);
@@ -308,24 +325,37 @@ export class Profiling {
 
   #only() {
     const boxes = boxesAround(this.#line, this.#width, this.#viewer.bounds);
-    if (boxes) this.#viewer.changeStyle({ clips: boxes });
+    // What takes away goes on doing so; what keeps something else would keep that beside the corridor.
+    const others = (this.#viewer.view.clips ?? []).filter(({ plane, keep }) => plane || keep === 'outside');
+    if (boxes && boxes.length + others.length <= mostShapes) this.#viewer.changeStyle({ clips: [...others, ...boxes] });
     else this.#page.overlays.toast(words.noBoxes, words.noBoxesDetail(mostShapes));
   }
 
   async #save(format) {
     const { overlays } = this.#page;
     const name = `${this.#cloud.id}-profile.${format}`;
-    try {
-      if (format === 'png') downloadBlob(name, await this.#panel.plot.png());
-      else {
-        const target = await chooseTarget(name, format);
-        if (!target) return;
-        const response = await postSoon(this.#viewer.server, this.#cloud.id, 'profile', pointsQuestion(this.#profile, this.#viewer.view, format));
-        await save(response, target, () => {});
-      }
+    if (format === 'png') {
+      downloadBlob(name, await this.#panel.plot.png());
       overlays.toast(words.saved, name, 'done');
+      return;
+    }
+    if (this.#saving) return; // one after the other
+    const saving = new AbortController();
+    this.#saving = saving;
+    const question = pointsQuestion(this.#profile, this.#viewer.view, format);
+    const { id } = this.#cloud;
+    try {
+      const target = await chooseTarget(name, format);
+      if (!target) return;
+      this.#panel.saving(words.asking);
+      await saveAnswer(() => postSoon(this.#viewer.server, id, 'profile', question, saving.signal), target, (done) => this.#panel.saving(words.saving(sizeText(done))), saving.signal);
+      overlays.toast(words.saved, target.name, 'done');
     } catch (/** @type {any} */ error) {
-      overlays.toast(words.notSaved, error.title ? error.message : strings.messages.noAnswer);
+      if (saving.signal.aborted) overlays.toast(words.stopped, '', 'done');
+      else overlays.toast(words.notSaved, error.title ? error.message : strings.messages.noAnswer);
+    } finally {
+      this.#saving = undefined;
+      this.#panel.saving(undefined);
     }
   }
 }

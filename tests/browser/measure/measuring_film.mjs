@@ -51,7 +51,7 @@ const click = async (to) => {
   await go(to);
   await page.mouse.down();
   await page.mouse.up();
-  await page.waitForTimeout(500); // until the server has found the point
+  await page.waitForTimeout(900); // until the server has found the point
   await take(3);
 };
 const drag = async (to, steps = 16) => {
@@ -83,6 +83,10 @@ await go({ x: 800, y: 360 });
 await drag({ x: 600, y: 330 }, 24);
 await go({ x: 620, y: 250 });
 await drag({ x: 820, y: 280 }, 24);
+await page.keyboard.press('Home'); // as at the beginning
+await page.waitForTimeout(800);
+await waitUntilSharp(page, 60_000);
+await take(4);
 await kind('height');
 for (const place of [{ x: 620, y: 300 }, { x: 622, y: 220 }]) await click(place);
 await kind('area');

@@ -88,10 +88,12 @@ export class PageProxy {
     const onward = request(new URL(incoming.url, this.#target), { method: incoming.method, headers: this.#headersFor(incoming) }, (came) => {
       setTimeout(() => {
         answer.writeHead(came.statusCode, came.headers);
+        came.on('error', () => answer.destroy()); // broken off there: not all of it here
         came.pipe(answer);
       }, 2 * this.delay);
     });
     onward.on('error', () => answer.destroy());
+    answer.on('close', () => !answer.writableFinished && onward.destroy()); // who has asked has gone
     incoming.pipe(onward);
   }
 

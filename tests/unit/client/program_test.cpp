@@ -239,8 +239,9 @@ TEST_F(Program, PathFilmsATourOfAProject) {
     EXPECT_NE(run("path " + fake.text() + " flight.json --tour Walk -o x").output.find("--tour"),
               std::string::npos);
     write("elsewhere");
-    EXPECT_NE(run(command + "x").output.find("elsewhere"), std::string::npos)
-        << "the project says which cloud";
+    EXPECT_EQ(run(command + "x").exitCode, 1) << "the project says which cloud";
+    EXPECT_TRUE(fake.requests().back().starts_with("GET /api/v1/clouds/elsewhere "))
+        << fake.requests().back();
 }
 
 TEST_F(Program, BenchMeasuresASessionAndKeepsItsFinalStill) {

@@ -138,7 +138,8 @@ describe('exporting', { timeout: 200_000 }, () => {
     // Stopped while it waits for the disk.
     await page.evaluate(() => { globalThis.isSlow = true; });
     await page.click('#export-save');
-    await page.waitForFunction(() => /of about|so far/.test(document.getElementById('export-state').textContent));
+    await page.waitForFunction(() => globalThis.goOn);
+    assert.ok(await page.isVisible('#export-progress') && await page.isVisible('#export-stop'));
     await page.keyboard.press('Escape');
     await page.evaluate(() => globalThis.goOn());
     await page.waitForFunction(() => /Stopped/.test(document.getElementById('export-state').textContent));
@@ -162,7 +163,7 @@ describe('exporting', { timeout: 200_000 }, () => {
             async write(chunk) {
               chosen.chunks += 1;
               chosen.size += chunk.length;
-              if (globalThis.isSlow && chosen.chunks > 1) await new Promise((done) => { globalThis.goOn = done; });
+              if (globalThis.isSlow) await new Promise((done) => { globalThis.goOn = done; });
             },
             async close() { chosen.isClosed = true; },
             async abort() { chosen.isAborted = true; },

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/program_fixture.hpp"
@@ -24,13 +25,23 @@ class AdministrationProgramTest : public ProgramTest {
         generate("first.las");
     }
     int statusOf(const std::string& target) const { return request(port, target).status; }
-    bool becomes(const std::string& target, int status) const {
+    static bool comesTrue(const std::function<bool()>& condition) {
         const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-        while (statusOf(target) != status) {
+        while (!condition()) {
             if (std::chrono::steady_clock::now() > end) return false;
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
         return true;
+    }
+    bool becomes(const std::string& target, int status) const {
+        return comesTrue([&] { return statusOf(target) == status; });
+    }
+    /// Pictures there are sooner: coarse ones, of what has been read.
+    bool isLoaded(const std::string& id) const {
+        return comesTrue([&] {
+            const json cloud = json::parse(request(port, "/api/v1/clouds/" + id).body, nullptr, false);
+            return cloud.is_object() && cloud.value("state", "") == "ready";
+        });
     }
     const std::string token = "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo";
     const std::string bearer = "Authorization: Bearer " + token;
@@ -45,6 +56,7 @@ TEST_F(AdministrationProgramTest, AScanComesAndGoesWhileTheServerRuns) {
     ASSERT_TRUE(becomes("/api/v1/clouds/ball/snapshot.jpg?width=32&height=16", 200)) << server->err();
     EXPECT_THAT(request(port, "/api/v1/clouds/ball").body, HasSubstr("A ball"));
     EXPECT_TRUE(becomes("/readyz", 200));
+    EXPECT_TRUE(isLoaded("ball"));
     EXPECT_EQ(request(port, "/api/v1/clouds/ball", {bearer}, "DELETE").status, 204);
     EXPECT_EQ(statusOf("/api/v1/clouds/ball"), 404);
     EXPECT_TRUE(fs::exists(folder / "scans" / "ball.las"));

@@ -31,6 +31,8 @@ RemoteOptions quick() {
     options.transfers.longestDelay = milliseconds(5);
     options.transfers.seed = 1;
     options.transfers.limits.stall = milliseconds(1000);
+    // A machine that is slow is no server that is, of which less would be asked for at a time.
+    options.pace.quick = options.pace.slow = std::chrono::minutes(10);
     options.firstProbe = milliseconds(10);
     options.lastProbe = milliseconds(20);
     return options;
@@ -80,7 +82,9 @@ TEST(RemoteFileTest, hasTheObjectsBytesAtAnyOffset) {
 TEST(RemoteFileTest, fetchesWhatStandsSideBySideTogether) {
     const std::string content = noise(4 << 20);
     RangeServer server(content);
-    RemoteFiles files(quick());
+    RemoteOptions patient = quick();
+    patient.transfers.limits.stall = std::chrono::minutes(1);
+    RemoteFiles files(patient);
     const auto file = *files.open(urlOf(server));
     EXPECT_EQ(server.requests(), 1);
     EXPECT_EQ(read(*file, RemoteFile::pieceBytes, 1 << 20), content.substr(RemoteFile::pieceBytes, 1 << 20));

@@ -10,7 +10,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, describe, it } from 'node:test';
 
-import { seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { newPage, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { RealServer } from './support/real_server.mjs';
 import { courtOrigin, courtSpacing, writeCourt } from './support/scans.mjs';
 
@@ -55,12 +55,8 @@ describe('exporting', { timeout: 200_000 }, () => {
   });
 
   async function withPage(use, { words = '', init = () => { globalThis.showSaveFilePicker = undefined; }, options = {} } = {}) {
-    const context = await browser.newContext({ viewport: { width: 1440, height: 700 }, ...options });
-    const page = await context.newPage();
+    const page = await newPage(browser, { viewport: { width: 1440, height: 700 }, ...options });
     page.setDefaultTimeout(20_000);
-    page.complaints = [];
-    page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) page.complaints.push(message.text()); });
-    page.on('pageerror', (error) => page.complaints.push(String(error)));
     page.asked = [];
     page.on('request', (request) => { if (request.url().endsWith('/points')) page.asked.push({ body: request.postDataJSON(), headers: request.headers() }); });
     await page.addInitScript(init);
@@ -71,7 +67,7 @@ describe('exporting', { timeout: 200_000 }, () => {
       await use(page);
       assert.deepEqual(seriousComplaints(page).filter((text) => !/status of 422/.test(text)), []);
     } finally {
-      await context.close();
+      await page.context().close();
     }
   }
 

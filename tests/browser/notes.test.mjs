@@ -8,7 +8,7 @@ import { createRequire } from 'node:module';
 import { after, before, describe, it } from 'node:test';
 
 import { project } from '../../client/web/view/camera.js';
-import { seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { newPage, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { RealServer } from './support/real_server.mjs';
 import { courtOrigin, writeCourt } from './support/scans.mjs';
 
@@ -37,19 +37,15 @@ describe('notes, saved views and tours', { timeout: 290_000 }, () => {
   });
 
   async function withPage(use, { options = {}, hash = fromSouth } = {}) {
-    const context = await browser.newContext({ viewport: { width: 1440, height: 600 }, ...options });
-    const page = await context.newPage();
+    const page = await newPage(browser, { viewport: { width: 1440, height: 600 }, ...options });
     page.setDefaultTimeout(20_000);
-    page.complaints = [];
-    page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) page.complaints.push(message.text()); });
-    page.on('pageerror', (error) => page.complaints.push(String(error)));
     try {
       await page.goto(`${url}#cloud=court&${hash}`);
       await waitUntilSharp(page, 40_000);
       await use(page);
       assert.deepEqual(seriousComplaints(page), []);
     } finally {
-      await context.close();
+      await page.context().close();
     }
   }
 

@@ -9,7 +9,7 @@ import { readFileSync } from 'node:fs';
 import { after, before, describe, it } from 'node:test';
 
 import { project } from '../../client/web/view/camera.js';
-import { isTrue, openPage, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { isTrue, newPage, openPage, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { clouds, FakeServer } from './support/fake_server.mjs';
 import { RealServer } from './support/real_server.mjs';
 import { courtOrigin, courtSpacing, writeCourt } from './support/scans.mjs';
@@ -38,12 +38,8 @@ describe('a profile', { timeout: 250_000 }, () => {
   });
 
   async function withPage(use, options = {}) {
-    const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
-    const page = await context.newPage();
+    const page = await newPage(browser, { viewport: { width: 1440, height: 900 }, ...options });
     page.setDefaultTimeout(20_000);
-    page.complaints = [];
-    page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) page.complaints.push(message.text()); });
-    page.on('pageerror', (error) => page.complaints.push(String(error)));
     page.asked = [];
     page.picks = 0;
     page.on('request', (request) => { if (request.url().endsWith('/profile')) page.asked.push(request.postDataJSON()); });
@@ -56,7 +52,7 @@ describe('a profile', { timeout: 250_000 }, () => {
       // The server may still be busy with a picture that the page has given up; then the page asks again.
       assert.deepEqual(seriousComplaints(page).filter((text) => !/status of (429|503)/.test(text)), []);
     } finally {
-      await context.close();
+      await page.context().close();
     }
   }
 

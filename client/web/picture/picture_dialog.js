@@ -1,6 +1,7 @@
 // Saving a picture: how large, in which format, with what of a drawing on it. The server draws it in full quality, at any size; the page puts
 // scale bar, legend, north, title and attribution onto it, and hands it to the browser.
 
+import { downloadBlob } from '../export/saving.js';
 import { hasNorth } from '../page/plan/on_picture.js';
 import { element } from '../page/parameter_fields.js';
 import { creditLine } from '../page/scan_facts.js';
@@ -195,7 +196,7 @@ export class PictureDialog {
       const composed = parts && (await this.#composed(plain, parts, size, format));
       loading.signal.throwIfAborted();
       const isLess = Boolean(parts && !composed);
-      this.#hand(composed ?? plain, isLess ? name.replace(/\.jpg$/, '.png') : name);
+      downloadBlob(isLess ? name.replace(/\.jpg$/, '.png') : name, composed ?? plain);
       find('picture-dialog').close();
       overlays.toast(strings.messages.pictureSaved, isLess ? words.notComposed : strings.messages.pictureSavedDetail(name, size.width, size.height), isLess ? 'problem' : 'done');
     } catch (/** @type {any} */ error) {
@@ -244,11 +245,5 @@ export class PictureDialog {
     } catch {
       return undefined; // no memory for it
     }
-  }
-
-  #hand(blob, name) {
-    const url = URL.createObjectURL(blob);
-    Object.assign(document.createElement('a'), { href: url, download: name }).click();
-    setTimeout(() => URL.revokeObjectURL(url), 60_000);
   }
 }

@@ -25,6 +25,13 @@ export async function startBrowser() {
 
 /** A page that remembers everything the console complained of. The panel leaves 960 × 600 to the picture. `options` as for newContext. */
 export async function openPage(browser, url, options = {}) {
+  const page = await newPage(browser, options);
+  await page.goto(url);
+  return page;
+}
+
+/** The same before it goes anywhere: its `complaints` are what the console says. */
+export async function newPage(browser, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 600 }, ...options });
   const page = await context.newPage();
   page.complaints = [];
@@ -32,7 +39,6 @@ export async function openPage(browser, url, options = {}) {
     if (message.type() === 'error' || message.type() === 'warning') page.complaints.push(message.text());
   });
   page.on('pageerror', (error) => page.complaints.push(String(error)));
-  await page.goto(url);
   return page;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "protocol/error.hpp"
+#include "renderer/cloud/derived_octrees.hpp"
 #include "renderer/cloud/sample.hpp"
 #include "renderer/cloud/sample_limits.hpp"
 
@@ -63,6 +64,11 @@ class SampleStore {
     virtual std::uint64_t bytesResident() const = 0;
     /// The cloud file whose samples these are, with everything that it has beside them; empty where there is none.
     virtual std::shared_ptr<const CloudFile> cloudFile() const { return nullptr; }
+    /// Octrees that were made of this one's samples for views, kept as long as this lives, those used last.
+    DerivedOctrees& derived() { return derived_; }
+
+  private:
+    DerivedOctrees derived_;
 };
 
 /// Everything in memory: run i is samples[first[i]] … samples[first[i + 1] - 1].

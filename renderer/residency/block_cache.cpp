@@ -372,7 +372,7 @@ void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::sh
 Cache::Loaded Cache::read(const CachedCloud& cloud, std::uint32_t node, std::shared_ptr<Block> room) const {
     auto samples = cloud.file->samples(node);
     if (!samples) return passOn(std::move(samples));
-    if (cloud.file->isNative()) {
+    if (cloud.file->countsVary()) {
         // Its index estimates; what is really there counts.
         const std::uint64_t bytes = BlockTable::bytesFor(cloud, samples->size());
         if (bytes != room->bytes()) room = std::make_shared<Block>(table_.meter(), bytes);

@@ -111,9 +111,7 @@ std::optional<std::array<double, 2>> naturalRange(const Cloud& cloud, const Styl
         case ColorSource::Depth:
             return depthRange(cloud, viewpoint);
         case ColorSource::Column:
-            for (const std::size_t c : choosableColumns(cloud))
-                if (cloud.columns[c].column.name == style.column) return naturalEnds(cloud.columns[c]);
-            return std::nullopt;
+            return naturalEnds(cloud, style.column);
         default:
             return std::nullopt;
     }

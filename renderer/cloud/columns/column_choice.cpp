@@ -26,7 +26,7 @@ bool hasValue(const CloudFacts& facts, ValueFrom from) {
 /// A message may list so many.
 constexpr std::size_t mostListed = 40;
 
-std::string listOf(const CloudFacts& facts, bool withSamples) {
+std::string listOf(const CloudFacts& facts) {
     std::string list;
     std::size_t count = 0;
     const auto add = [&](std::string_view name) {
@@ -35,14 +35,14 @@ std::string listOf(const CloudFacts& facts, bool withSamples) {
         list += quoteText(name);
     };
     for (const std::size_t c : choosableColumns(facts)) add(facts.columns[c].column.name);
-    if (withSamples && hasValue(facts, ValueFrom::Intensity)) add(intensityName);
-    if (withSamples && hasValue(facts, ValueFrom::Classification)) add(classificationName);
+    if (hasValue(facts, ValueFrom::Intensity)) add(intensityName);
+    if (hasValue(facts, ValueFrom::Classification)) add(classificationName);
     if (count > mostListed) list += fmt::format(" and {} more", count - mostListed);
     return list;
 }
 
 tl::unexpected<Error> unknown(const CloudFacts& facts, std::string_view name, std::string_view field) {
-    const std::string list = listOf(facts, field == "filter");
+    const std::string list = listOf(facts);
     std::string message = fmt::format("this cloud keeps no column {}", quoteText(name));
     if (!list.empty()) message += "; there are " + list;
     if (choosableColumns(facts).empty())
@@ -52,19 +52,23 @@ tl::unexpected<Error> unknown(const CloudFacts& facts, std::string_view name, st
     return fail(ErrorCode::Unsupported, message, std::string(field));
 }
 
-Expected<std::size_t> choose(const CloudFacts& facts, std::string_view name, std::string_view field,
+Expected<ChosenValue> choose(const CloudFacts& facts, std::string_view name, std::string_view field,
                              bool needsInner) {
+    // A kept column of that name goes first: it is what the cloud calls so.
     const auto found = findColumn(facts, name);
+    ChosenValue chosen;
+    if (name == intensityName) chosen.from = ValueFrom::Intensity;
+    if (name == classificationName) chosen.from = ValueFrom::Classification;
+    if (!found && chosen.from != ValueFrom::Column && hasValue(facts, chosen.from)) return chosen;
     if (!found) return unknown(facts, name, field);
-    const ValuePlane inner = innerPlane(facts.columns[*found].column);
-    if (needsInner && std::ranges::find(facts.companions, inner) == facts.companions.end())
+    if (!isDrawn(facts, facts.columns[*found].column, needsInner))
         return fail(
             ErrorCode::Unsupported,
             fmt::format("the cloud file keeps column {} of its points, but not of what is drawn from "
                         "afar; ingest the scan again with --keep-attributes to colour and filter by it",
                         quoteText(name)),
             std::string(field));
-    return *found;
+    return ChosenValue{ValueFrom::Column, *found};
 }
 
 }  // namespace
@@ -85,38 +89,41 @@ std::vector<std::size_t> choosableColumns(const CloudFacts& facts) {
     return columns;
 }
 
+bool isDrawn(const CloudFacts& facts, const Column& column, bool hasInnerNodes) {
+    if (!hasInnerNodes) return true;
+    return std::ranges::find(facts.companions, innerPlane(column)) != facts.companions.end();
+}
+
 std::string ColumnChoice::words() const {
-    std::string text = color ? fmt::format("color {} {:a} {:a}", *color, ends[0], ends[1]) : "";
+    std::string text;
+    if (color) text = fmt::format("color {} {} {:a} {:a}", int(color->from), color->column, ends[0], ends[1]);
     for (const ChosenRange& chosen : filter)
-        text += fmt::format("; {} {} {} {:a} {} {:a}", int(chosen.from), chosen.column,
+        text += fmt::format("; {} {} {} {:a} {} {:a}", int(chosen.value.from), chosen.value.column,
                             chosen.range.low.has_value(), chosen.range.low.value_or(0),
                             chosen.range.high.has_value(), chosen.range.high.value_or(0));
     return text;
 }
 
-std::array<double, 2> naturalEnds(const KeptColumn& kept) {
-    if (kept.usual && kept.usual->at(0) < kept.usual->at(1)) return *kept.usual;
-    return kept.range;
+std::optional<std::array<double, 2>> naturalEnds(const CloudFacts& facts, std::string_view name) {
+    const auto narrowed = [](const std::optional<std::array<double, 2>>& usual,
+                             const std::array<double, 2>& range) {
+        return usual && usual->at(0) < usual->at(1) ? *usual : range;
+    };
+    if (const auto found = findColumn(facts, name))
+        return narrowed(facts.columns[*found].usual, facts.columns[*found].range);
+    if (name == classificationName) return std::array{0.0, 255.0};
+    if (name != intensityName) return std::nullopt;
+    return narrowed(facts.usual ? std::optional(facts.usual->intensity) : std::nullopt,
+                    {double(facts.intensityRange[0]), double(facts.intensityRange[1])});
 }
 
 Expected<ColumnChoice> chooseColumns(const CloudFacts& facts, const ColumnRanges& filter,
                                      bool hasInnerNodes) {
     ColumnChoice choice;
     for (const ColumnRange& range : filter) {
-        ChosenRange chosen{ValueFrom::Column, 0, range};
-        // A kept column of that name goes first: it is what the cloud calls so.
-        if (!findColumn(facts, range.column)) {
-            if (range.column == intensityName) chosen.from = ValueFrom::Intensity;
-            if (range.column == classificationName) chosen.from = ValueFrom::Classification;
-        }
-        if (chosen.from == ValueFrom::Column) {
-            const auto found = choose(facts, range.column, "filter", hasInnerNodes);
-            if (!found) return passOn(found);
-            chosen.column = *found;
-        } else if (!hasValue(facts, chosen.from)) {
-            return unknown(facts, range.column, "filter");
-        }
-        choice.filter.push_back(std::move(chosen));
+        const auto value = choose(facts, range.column, "filter", hasInnerNodes);
+        if (!value) return passOn(value);
+        choice.filter.push_back({*value, range});
     }
     return choice;
 }
@@ -124,10 +131,10 @@ Expected<ColumnChoice> chooseColumns(const CloudFacts& facts, const ColumnRanges
 Expected<ColumnChoice> chooseColumns(const CloudFacts& facts, const Style& style, bool hasInnerNodes) {
     auto choice = chooseColumns(facts, style.filter, hasInnerNodes);
     if (!choice || style.color != ColorSource::Column) return choice;
-    const auto found = choose(facts, style.column, "color", hasInnerNodes);
-    if (!found) return passOn(found);
-    choice->color = *found;
-    choice->ends = style.range.value_or(naturalEnds(facts.columns[*found]));
+    const auto value = choose(facts, style.column, "color", hasInnerNodes);
+    if (!value) return passOn(value);
+    choice->color = *value;
+    choice->ends = style.range.value_or(naturalEnds(facts, style.column).value_or(std::array{0.0, 1.0}));
     return choice;
 }
 

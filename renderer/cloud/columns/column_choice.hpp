@@ -23,15 +23,19 @@ inline constexpr std::string_view intensityName = "intensity", classificationNam
 /// Where a value is found: in a kept column, or in the sample itself.
 enum class ValueFrom : std::uint8_t { Column, Intensity, Classification };
 
-struct ChosenRange {
+struct ChosenValue {
     ValueFrom from = ValueFrom::Column;
     std::size_t column = 0;  ///< of facts.columns; Column only
+};
+
+struct ChosenRange {
+    ChosenValue value;
     ColumnRange range;
 };
 
 /// What a view asks of a cloud's columns.
 struct ColumnChoice {
-    std::optional<std::size_t> color;  ///< of facts.columns
+    std::optional<ChosenValue> color;
     std::array<double, 2> ends{0, 1};  ///< values at the colour map's ends; color only
     std::vector<ChosenRange> filter;
 
@@ -40,8 +44,11 @@ struct ColumnChoice {
     std::string words() const;
 };
 
-/// The range that a column is coloured over when nobody says any: where most of its values lie.
-std::array<double, 2> naturalEnds(const KeptColumn& kept);
+/// The range that a column - or intensity - is coloured over when nobody says any: where most of its values lie. nullopt: there is none
+/// of that name.
+std::optional<std::array<double, 2>> naturalEnds(const CloudFacts& facts, std::string_view name);
+/// The columns that a view of this cloud file may name: of its points and, where there are any, of its inner nodes.
+bool isDrawn(const CloudFacts& facts, const Column& column, bool hasInnerNodes);
 
 /// Errors: Unsupported, with what columns there are, for one that there is not; and for a cloud file without its inner
 /// nodes' values, with the way to get them. Field `color` or `filter`.

@@ -95,9 +95,19 @@ class PicturedFile final : public CloudFile {
         return file_->samples(node);
     }
 
-    /// A node's values of a column: a leaf's own, an inner node's companion's.
-    Expected<std::vector<double>> valuesOfNode(std::uint32_t node, std::size_t column,
-                                               std::size_t count) const {
+    /// Of all samples of a node, in their order.
+    Expected<std::vector<double>> valuesOfNode(std::uint32_t node, const ChosenValue& value,
+                                               std::span<const Sample> all) const {
+        if (value.from == ValueFrom::Column) return columnOf(node, value.column, all.size());
+        std::vector<double> values;
+        values.reserve(all.size());
+        for (const Sample& s : all)
+            values.push_back(value.from == ValueFrom::Intensity ? s.intensity : s.classification);
+        return values;
+    }
+
+    /// A leaf's own, or an inner node's companion's.
+    Expected<std::vector<double>> columnOf(std::uint32_t node, std::size_t column, std::size_t count) const {
         const bool isLeaf = file_->nodes()[node].node.isLeaf();
         const std::optional<std::size_t> plane = isLeaf ? std::optional(column) : inner_[column];
         if (!plane)
@@ -126,22 +136,14 @@ class PicturedFile final : public CloudFile {
 
     Expected<void> keepWithin(const ChosenRange& chosen, std::uint32_t node, std::span<const Sample> all,
                               std::vector<std::uint32_t>& left) const {
-        const auto keep = [&](auto valueOf) {
-            std::erase_if(left, [&](std::uint32_t i) { return !chosen.range.has(valueOf(i)); });
-        };
-        if (chosen.from == ValueFrom::Intensity)
-            keep([&](std::uint32_t i) { return double(all[i].intensity); });
-        if (chosen.from == ValueFrom::Classification)
-            keep([&](std::uint32_t i) { return double(all[i].classification); });
-        if (chosen.from != ValueFrom::Column) return {};
-        const auto values = valuesOfNode(node, chosen.column, all.size());
+        const auto values = valuesOfNode(node, chosen.value, all);
         if (!values) return passOn(values);
-        keep([&](std::uint32_t i) { return (*values)[i]; });
+        std::erase_if(left, [&](std::uint32_t i) { return !chosen.range.has((*values)[i]); });
         return {};
     }
 
     Expected<void> paint(std::uint32_t node, std::vector<Sample>& all) const {
-        const auto values = valuesOfNode(node, *choice_.color, all.size());
+        const auto values = valuesOfNode(node, *choice_.color, all);
         if (!values) return passOn(values);
         for (std::size_t i = 0; i < all.size(); ++i) all[i].intensity = codeOf((*values)[i], choice_.ends);
         return {};
@@ -203,6 +205,16 @@ std::uint16_t codeOf(double value, const std::array<double, 2>& ends) {
 std::shared_ptr<const CloudFile> picturedFile(std::shared_ptr<const CloudFile> file, ColumnChoice choice,
                                               SamplesAtHand atHand) {
     return std::make_shared<PicturedFile>(std::move(file), std::move(choice), std::move(atHand));
+}
+
+Expected<std::shared_ptr<const CloudFile>> picturedLeaves(std::shared_ptr<const CloudFile> file,
+                                                          const ColumnRanges& filter, const Style& style) {
+    Style asked = style;
+    asked.filter = filter;
+    auto choice = chooseColumns(file->facts(), asked, false);
+    if (!choice) return passOn(choice);
+    if (choice->isNothing()) return file;
+    return picturedFile(std::move(file), std::move(*choice));
 }
 
 }  // namespace scancast

@@ -27,4 +27,10 @@ using SamplesAtHand = std::function<std::optional<SampleRun>(std::uint32_t node)
 std::shared_ptr<const CloudFile> picturedFile(std::shared_ptr<const CloudFile> file, ColumnChoice choice,
                                               SamplesAtHand atHand = {});
 
+/// A cloud file's leaves for who exports and draws their points: what the filter leaves, and, of a style whose colour is a column,
+/// that. `file` itself where neither is asked for. Errors: chooseColumns()'s.
+Expected<std::shared_ptr<const CloudFile>> picturedLeaves(std::shared_ptr<const CloudFile> file,
+                                                          const ColumnRanges& filter,
+                                                          const Style& style = {});
+
 }  // namespace scancast

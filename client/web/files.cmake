@@ -27,6 +27,9 @@ set(SCANCAST_WEB_FILES
     export/region.js
     export/saving.js
     export/sizes.js
+    filter/card.js
+    filter/filtering.js
+    filter/value_slider.js
     measure/answers.js
     measure/beginning.js
     measure/card.js
@@ -55,6 +58,7 @@ set(SCANCAST_WEB_FILES
     page/choices.js
     page/chosen_method.js
     page/colour_choice.js
+    page/columns.js
     page/controls.js
     page/cover.js
     page/galleries.js
@@ -64,6 +68,7 @@ set(SCANCAST_WEB_FILES
     page/layout.js
     page/lazy_tools.js
     page/loading_note.js
+    page/members.js
     page/method_choice.js
     page/number_field.js
     page/overlays.js
@@ -89,10 +94,12 @@ set(SCANCAST_WEB_FILES
     page/strings/clip.js
     page/strings/compare.js
     page/strings/export.js
+    page/strings/filter.js
     page/strings/measure.js
     page/strings/picture.js
     page/strings/plan.js
     page/strings/profile.js
+    page/strings/together.js
     page/strings/views.js
     page/themes.js
     page/thumbnails.js
@@ -118,6 +125,7 @@ set(SCANCAST_WEB_FILES
     styles/compare.css
     styles/export.css
     styles/fields.css
+    styles/filter.css
     styles/measure.css
     styles/panel.css
     styles/photos.css
@@ -128,7 +136,10 @@ set(SCANCAST_WEB_FILES
     styles/state.css
     styles/style.css
     styles/theme.css
+    styles/together.css
     styles/views.css
+    together/card.js
+    together/together.js
     view/anchor.js
     view/camera.js
     view/camera_input.js

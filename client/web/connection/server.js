@@ -77,6 +77,9 @@ export class Server {
     return { clouds: listOf(body.clouds), pending: listOf(body.pending) };
   }
 
+  /** All that is known of one. */
+  cloud(id) { return this.#json(pathOf(id)); }
+
   /** { methods, colors, colormaps, shadings, ramps }. */
   async methods() {
     const { methods, colors, colormaps, shadings, ramps = {} } = await this.#json('/api/v1/methods');

@@ -61,6 +61,7 @@ set(SCANCAST_WEB_FILES
     page/columns.js
     page/controls.js
     page/cover.js
+    page/entries.js
     page/galleries.js
     page/history.js
     page/hud.js

@@ -2,9 +2,10 @@
 // shown is the view's own word `with`, so the address, undo and links hold it, and the server draws all of them into one picture.
 
 import { counted } from '../page/strings.js';
-import { itself, membersOf, wordOf } from '../page/members.js';
+import { focusOn, keyed } from '../page/entries.js';
 import { icon } from '../page/icons.js';
 import { putCard } from '../page/lazy_tools.js';
+import { itself, membersOf, wordOf } from '../page/members.js';
 import { element } from '../page/parameter_fields.js';
 import { together as words } from '../page/strings/together.js';
 import { mostMembers } from '../protocol/view_words.js';
@@ -109,7 +110,7 @@ export class Together {
       const focused = /** @type {any} */ (document.activeElement)?.dataset?.key;
       this.#rows = new Map(members.map((one) => [one.cloud, this.#row(one)]));
       find('together-list').replaceChildren(...[...this.#rows.values()].map(({ node }) => node));
-      if (focused) /** @type {any} */ (find('together-list').querySelector(`[data-key="${CSS.escape(focused)}"]`) ?? find('close-together')).focus({ preventScroll: true });
+      if (focused && !focusOn(find('together-list'), focused)) find('close-together').focus();
     }
     for (const one of members) this.#rows.get(one.cloud).show(one);
     const { color } = this.#viewer.view;
@@ -119,19 +120,12 @@ export class Together {
     this.#showOthers();
   }
 
-  #button(key, properties, act) {
-    const button = element('button', { type: 'button', ...properties });
-    button.dataset.key = key;
-    button.addEventListener('click', act);
-    return button;
-  }
-
   #row({ cloud, name }) {
     const isOpen = this.#open === cloud;
-    const eye = this.#button(`eye-${cloud}`, { className: 'eye', ariaLabel: words.show(name) }, () => this.#change(cloud, { hidden: eye.ariaPressed === 'true' }));
+    const eye = keyed(`eye-${cloud}`, { className: 'eye', ariaLabel: words.show(name) }, () => this.#change(cloud, { hidden: eye.ariaPressed === 'true' }));
     const tint = element('input', { type: 'color', ariaLabel: words.tint(name) });
     tint.addEventListener('input', () => this.#change(cloud, { tint: tint.value }));
-    const head = this.#button(`row-${cloud}`, { className: 'name', ariaExpanded: String(isOpen) }, () => {
+    const head = keyed(`row-${cloud}`, { className: 'name', ariaExpanded: String(isOpen) }, () => {
       this.#open = isOpen ? undefined : cloud;
       this.#show();
     });
@@ -168,19 +162,19 @@ export class Together {
       else input.value = String(shift[i]);
     });
     const node = element('div', { className: 'axis' }, element('span', { textContent: axis, ariaHidden: 'true' }),
-      this.#button(`less-${i}-${cloud}`, { textContent: '−', ariaLabel: words.less(axis, name) }, () => this.#shiftBy(cloud, i, -this.#step)), input,
-      this.#button(`more-${i}-${cloud}`, { textContent: '+', ariaLabel: words.more(axis, name) }, () => this.#shiftBy(cloud, i, this.#step)));
+      keyed(`less-${i}-${cloud}`, { textContent: '−', ariaLabel: words.less(axis, name) }, () => this.#shiftBy(cloud, i, -this.#step)), input,
+      keyed(`more-${i}-${cloud}`, { textContent: '+', ariaLabel: words.more(axis, name) }, () => this.#shiftBy(cloud, i, this.#step)));
     return { node, input };
   }
 
   #details(cloud, fields) {
     const steps = element('select', {}, ...stepsOffered.map((value) => element('option', { value: String(value), textContent: String(value), selected: value === this.#step })));
     steps.addEventListener('change', () => { this.#step = Number(steps.value); });
-    const remove = cloud === itself ? [] : [this.#button(`remove-${cloud}`, { textContent: words.remove }, () => this.#put(this.#members.filter((one) => one.cloud !== cloud)))];
+    const remove = cloud === itself ? [] : [keyed(`remove-${cloud}`, { textContent: words.remove }, () => this.#put(this.#members.filter((one) => one.cloud !== cloud)))];
     return element('div', { className: 'details' }, element('h4', { textContent: words.shift }), ...fields.map(({ node }) => node),
       element('label', { className: 'row' }, element('span', { textContent: words.step }), steps),
-      element('div', { className: 'buttons' }, this.#button(`still-${cloud}`, { textContent: words.noShift }, () => this.#change(cloud, { shift: undefined })),
-        this.#button(`plain-${cloud}`, { textContent: words.noTint }, () => this.#change(cloud, { tint: undefined })), ...remove));
+      element('div', { className: 'buttons' }, keyed(`still-${cloud}`, { textContent: words.noShift }, () => this.#change(cloud, { shift: undefined })),
+        keyed(`plain-${cloud}`, { textContent: words.noTint }, () => this.#change(cloud, { tint: undefined })), ...remove));
   }
 
   #showOthers() {
@@ -197,7 +191,7 @@ export class Together {
     const hadFocus = find('together-others').contains(document.activeElement);
     find('together-others').replaceChildren(...found.slice(0, mostListed).map(({ cloud: { id, title, points }, reason }) => {
       const name = title || id;
-      const button = this.#button(`add-${id}`, { className: 'name', disabled: Boolean(reason) || isFull, ariaLabel: reason ? `${name}: ${reason}` : words.add(name) }, () => this.#add(id));
+      const button = keyed(`add-${id}`, { className: 'name', disabled: Boolean(reason) || isFull, ariaLabel: reason ? `${name}: ${reason}` : words.add(name) }, () => this.#add(id));
       button.append(element('span', { textContent: reason ? name : `+ ${name}` }), element('small', { textContent: reason || (points > 0 ? counted(points, 'point') : '') }));
       return element('li', {}, button);
     }));

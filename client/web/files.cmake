@@ -24,6 +24,7 @@ set(SCANCAST_WEB_FILES
     export/asking.js
     export/card.js
     export/exporting.js
+    export/maps.js
     export/region.js
     export/saving.js
     export/sizes.js

@@ -42,6 +42,7 @@ bool has(const CloudFacts& cloud, ColorSource source) {
         case ColorSource::Depth:
         case ColorSource::Lod:
         case ColorSource::Visibility:
+        case ColorSource::Cloud:
         case ColorSource::Flat:
             return true;
     }
@@ -54,7 +55,7 @@ std::string available(const CloudFacts& cloud) {
                               ColorSource::Classification, ColorSource::Normal, ColorSource::Curvature}) {
         if (has(cloud, source)) list += std::string(name(source)) + ", ";
     }
-    return list + "elevation, depth, lod and #rrggbb";
+    return list + "elevation, depth, lod, cloud and #rrggbb";
 }
 
 /// Least and greatest depth of the cloud's bounding box, in front of the eye.
@@ -199,6 +200,11 @@ Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const View
     // What points look like does not matter where the picture is of labels.
     rule.source = style.color == ColorSource::Visibility ? ColorSource::Flat : style.color;
     rule.flat = style.flatColor;
+    // Of several, the samples have the colours of their clouds already (renderer/together); one alone has the first.
+    if (style.color == ColorSource::Cloud) {
+        rule.source = cloud.together ? ColorSource::Rgb : ColorSource::Flat;
+        rule.flat = cloudColors.front();
+    }
     rule.ramp = *ramp;
     setRange(cloud, style, viewpoint, rule);
     setTone(style, rule);

@@ -143,7 +143,7 @@ export const strings = {
     title: 'Colour',
     names: {
       auto: 'Automatic', rgb: 'RGB', cir: 'Infrared', intensity: 'Intensity', elevation: 'Elevation', classification: 'Classification',
-      normal: 'Normals', curvature: 'Curvature', depth: 'Depth', lod: 'Level of detail', visibility: 'Hidden points', flat: 'Single colour',
+      normal: 'Normals', curvature: 'Curvature', depth: 'Depth', lod: 'Level of detail', visibility: 'Hidden points', cloud: 'Each cloud', flat: 'Single colour',
     },
     single: 'Single colour',
     ramp: 'Colour ramp',

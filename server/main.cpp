@@ -11,6 +11,7 @@
 #include "server/commands/doctor/doctor_command.hpp"
 #include "server/commands/export/export.hpp"
 #include "server/commands/importer_flags.hpp"
+#include "server/commands/rasters/rasters.hpp"
 #include "server/server.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -29,6 +30,7 @@ int main(int argc, char** argv) {
     scancast::addRender(app, exitCode);
     scancast::addIngest(app, exitCode);
     scancast::addExport(app, exitCode);
+    scancast::addRasters(app, exitCode);
     scancast::addInfo(app, exitCode);
     scancast::addLook(app, exitCode);
     scancast::addLabel(app, exitCode);

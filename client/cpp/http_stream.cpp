@@ -114,8 +114,9 @@ std::string StreamedAnswer::header(std::string_view name) const {
 
 namespace {
 
-Expected<StreamedAnswer> streamed(const ServerUrl& url, http::request<http::string_body> request, std::string_view accept,
-                                  const Credentials& credentials, const Timeouts& timeouts, const TakeBytes& take) {
+Expected<StreamedAnswer> streamed(const ServerUrl& url, http::request<http::string_body> request,
+                                  std::string_view accept, const Credentials& credentials,
+                                  const Timeouts& timeouts, const TakeBytes& take) {
     request.set(http::field::host, url.authority());
     request.set(http::field::user_agent, "scancast-client");
     request.set(http::field::connection, "close");
@@ -155,8 +156,9 @@ Expected<StreamedAnswer> httpPostStreamed(const ServerUrl& url, const std::strin
     return streamed(url, std::move(request), accept, credentials, timeouts, take);
 }
 
-Expected<StreamedAnswer> httpGetStreamed(const ServerUrl& url, const std::string& target, std::string_view accept,
-                                         const Credentials& credentials, const Timeouts& timeouts, const TakeBytes& take) {
+Expected<StreamedAnswer> httpGetStreamed(const ServerUrl& url, const std::string& target,
+                                         std::string_view accept, const Credentials& credentials,
+                                         const Timeouts& timeouts, const TakeBytes& take) {
     return streamed(url, {http::verb::get, target, 11}, accept, credentials, timeouts, take);
 }
 

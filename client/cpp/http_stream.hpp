@@ -36,7 +36,8 @@ Expected<StreamedAnswer> httpPostStreamed(const ServerUrl& url, const std::strin
                                           std::string_view accept, const Credentials& credentials,
                                           const Timeouts& timeouts, const TakeBytes& take);
 /// The same of a GET.
-Expected<StreamedAnswer> httpGetStreamed(const ServerUrl& url, const std::string& target, std::string_view accept,
-                                         const Credentials& credentials, const Timeouts& timeouts, const TakeBytes& take);
+Expected<StreamedAnswer> httpGetStreamed(const ServerUrl& url, const std::string& target,
+                                         std::string_view accept, const Credentials& credentials,
+                                         const Timeouts& timeouts, const TakeBytes& take);
 
 }  // namespace scancast::client

@@ -199,7 +199,8 @@ Expected<nlohmann::json> Server::measure(const std::string& cloud, const Measure
     return postJson(*this, cloudPath(cloud) + "/measure", toJson(request));
 }
 
-Expected<RasterFacts> Server::raster(const std::string& cloud, const RasterRequest& request, const TakeBytes& take) const {
+Expected<RasterFacts> Server::raster(const std::string& cloud, const RasterRequest& request,
+                                     const TakeBytes& take) const {
     const bool isElevation = request.kind == RasterKind::Elevation;
     std::string target = cloudPath(cloud) + (isElevation ? "/dem.tif" : "/ortho.tif");
     if (const std::string query = printQuery(wordsOf(request)); !query.empty()) target += "?" + query;

@@ -63,19 +63,23 @@ Parsed parseCell(std::string_view text, RasterRequest& request) {
 }
 
 constexpr std::array<RasterWord, 6> words{{
-    {"bbox", "MINX,MINY,MAXX,MAXY", "What the raster covers, in the file's coordinates; by default all of the cloud.",
+    {"bbox", "MINX,MINY,MAXX,MAXY",
+     "What the raster covers, in the file's coordinates; by default all of the cloud.",
      "389400,5819700,389500,5819800"},
     {"cell", "LENGTH",
-     "Side of a cell, in the file's unit; by default one that suits how far the scan's points are apart.", "0.5"},
+     "Side of a cell, in the file's unit; by default one that suits how far the scan's points are apart.",
+     "0.5"},
     {"value", "highest|lowest|mean|count",
-     "Of a cell's points: the highest one's elevation, the lowest one's, their mean, or how many they are.", "mean",
-     true},
+     "Of a cell's points: the highest one's elevation, the lowest one's, their mean, or how many they are.",
+     "mean", true},
     {"fill", "CELLS",
-     "Holes are closed from what is around them, where that is no farther than so many cells, 0 to 64; by default "
+     "Holes are closed from what is around them, where that is no farther than so many cells, 0 to 64; by "
+     "default "
      "cells without a point stay without a value.",
      "3", true},
     {"compress", "deflate|none",
-     "How tiles are packed; with none, an answer begins at once, for where everything stands is known before.",
+     "How tiles are packed; with none, an answer begins at once, for where everything stands is known "
+     "before.",
      "none"},
     {"tile", "256|512", "Side of the file's tiles, in cells.", "512"},
 }};
@@ -86,7 +90,8 @@ Parsed parseWord(RasterRequest& request, std::string_view word, std::string_view
     if (word == "value")
         return parseName(text, cellValueNames, [&](std::size_t i) { request.value = CellValue(i); });
     if (word == "compress")
-        return parseName(text, rasterPackingNames, [&](std::size_t i) { request.packing = RasterPacking(i); });
+        return parseName(text, rasterPackingNames,
+                         [&](std::size_t i) { request.packing = RasterPacking(i); });
     if (word == "fill") {
         if (auto ok = parseWhole(text, request.fill); !ok) return ok;
         if (request.fill < 0 || request.fill > mostFill) return must("lie between 0 and 64");
@@ -121,8 +126,8 @@ bool isWordOf(RasterKind kind, std::string_view word) {
     static constexpr std::array<std::string_view, 6> points{"classes",  "clip",          "clips",
                                                             "outliers", "behindMirrors", "filter"};
     static constexpr std::array<std::string_view, 14> notOfOrthophotos{
-        "eye",   "target", "up",     "viewMatrix", "projection",  "fov", "viewHeight", "near", "far",
-        "width", "height", "quality", "subsampling", "with"};
+        "eye",  "target", "up",    "viewMatrix", "projection", "fov",         "viewHeight",
+        "near", "far",    "width", "height",     "quality",    "subsampling", "with"};
     if (kind == RasterKind::Elevation) return std::ranges::find(points, word) != points.end();
     return isViewWord(word) && std::ranges::find(notOfOrthophotos, word) == notOfOrthophotos.end();
 }
@@ -148,14 +153,15 @@ Expected<RasterRequest> rasterRequestOf(RasterKind kind, const WordValues& given
             continue;
         }
         if (word == "with")
-            return tl::unexpected(wrong(word, "rasters are made of one cloud at a time; ask for each by itself"));
-        if (isViewWord(word))
             return tl::unexpected(
-                wrong(word, isElevation ? "says nothing of elevation; of a view's words, those count that say "
-                                          "which points are looked at: classes, clip, clips, outliers, "
-                                          "behindMirrors"
-                                        : "is not the request's to say: an orthophoto is seen from straight "
-                                          "above, and as large as bbox and cell make it"));
+                wrong(word, "rasters are made of one cloud at a time; ask for each by itself"));
+        if (isViewWord(word))
+            return tl::unexpected(wrong(
+                word, isElevation ? "says nothing of elevation; of a view's words, those count that say "
+                                    "which points are looked at: classes, clip, clips, outliers, "
+                                    "behindMirrors"
+                                  : "is not the request's to say: an orthophoto is seen from straight "
+                                    "above, and as large as bbox and cell make it"));
         std::vector<std::string_view> known;
         for (const RasterWord& one : words)
             if (isElevation || !one.elevationOnly) known.push_back(one.word);

@@ -68,7 +68,8 @@ class LeafReader {
     }
 
     /// The places of those that count. From any thread.
-    Expected<void> find(std::uint32_t leaf, std::span<const Sample> samples, std::vector<glm::dvec3>& places) const {
+    Expected<void> find(std::uint32_t leaf, std::span<const Sample> samples,
+                        std::vector<glm::dvec3>& places) const {
         const Node& node = cloud_.octree.node(leaf);
         places.resize(samples.size());
         if (auto ok = exact_.of(leaf, node, samples, places); !ok) return ok;
@@ -99,8 +100,8 @@ tl::unexpected<Error> abandoned() {
 }
 
 /// Of a file on this machine: blocks are read and decoded side by side, and used one after the other.
-Expected<void> takeSideBySide(LeafReader& reader, std::span<const std::uint32_t> leaves, const std::stop_token& stop,
-                              std::size_t atOnce) {
+Expected<void> takeSideBySide(LeafReader& reader, std::span<const std::uint32_t> leaves,
+                              const std::stop_token& stop, std::size_t atOnce) {
     std::vector<std::vector<glm::dvec3>> places(atOnce);
     std::vector<Expected<void>> found(atOnce);
     for (std::size_t first = 0; first < leaves.size(); first += atOnce) {

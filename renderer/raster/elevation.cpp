@@ -20,7 +20,11 @@ static_assert(sizeof(CellSum) + sizeof(float) <= bytesPerElevationCell);
 class ElevationBlock {
   public:
     ElevationBlock(const Cloud& cloud, const RasterGrid& grid, const CellWindow& window, CellValue value)
-        : grid_(grid), window_(window), value_(value), base_(cloud.origin.z), cells_(std::size_t(window.cells())) {}
+        : grid_(grid),
+          window_(window),
+          value_(value),
+          base_(cloud.origin.z),
+          cells_(std::size_t(window.cells())) {}
 
     MeasuredBox box() const {
         // A step more than the cells: which one a point belongs to is for add() to say.
@@ -37,7 +41,8 @@ class ElevationBlock {
         for (const glm::dvec3& place : places) {
             const double column = grid_.columnOf(place.x) - double(window_.column);
             const double row = grid_.rowOf(place.y) - double(window_.row);
-            if (!(column >= 0 && row >= 0 && column < double(window_.columns) && row < double(window_.rows))) continue;
+            if (!(column >= 0 && row >= 0 && column < double(window_.columns) && row < double(window_.rows)))
+                continue;
             CellSum& cell = cells_[std::size_t(row) * std::size_t(window_.columns) + std::size_t(column)];
             const double height = place.z - base_;
             if (value_ == CellValue::Mean)
@@ -113,13 +118,14 @@ class ElevationBlock {
 
 }  // namespace
 
-Expected<std::vector<float>> elevationOf(const Cloud& cloud, const SampleFilter& filter, const RasterGrid& grid,
-                                         const CellWindow& window, const ElevationOptions& options,
-                                         const std::stop_token& stop) {
+Expected<std::vector<float>> elevationOf(const Cloud& cloud, const SampleFilter& filter,
+                                         const RasterGrid& grid, const CellWindow& window,
+                                         const ElevationOptions& options, const std::stop_token& stop) {
     const int fill = options.value == CellValue::Count ? 0 : options.fill;
     ElevationBlock block(cloud, grid, grid.grown(window, fill), options.value);
     const auto add = [&](std::span<const glm::dvec3> places) { block.add(places); };
-    if (auto ok = forLeafPoints(cloud, filter, block.box(), stop, add, options.threads); !ok) return passOn(ok);
+    if (auto ok = forLeafPoints(cloud, filter, block.box(), stop, add, options.threads); !ok)
+        return passOn(ok);
     return block.values(window, fill);
 }
 

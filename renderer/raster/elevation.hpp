@@ -23,8 +23,9 @@ inline constexpr std::uint64_t bytesPerElevationCell = 24;
 
 struct ElevationOptions {
     CellValue value = CellValue::Highest;
-    int fill = 0;      ///< cells
-    int threads = 1;   ///< leaves that are decoded at the same time; more than one: within the caller's task arena
+    int fill = 0;  ///< cells
+    int threads =
+        1;  ///< leaves that are decoded at the same time; more than one: within the caller's task arena
 };
 
 /// The cells of a window, row by row from the top: heights in the file's unit, as near as a float is; of CellValue::Count
@@ -33,8 +34,8 @@ struct ElevationOptions {
 /// A hole is filled out of what is nearest to it in each of the eight directions, no farther than `fill` cells, weighted by the inverse
 /// square of its distance; and only where there is something in two directions that are opposite: else it is no hole, but outside of the
 /// scan. Nothing outside of the raster has a part in that, nor has anything that was filled itself.
-Expected<std::vector<float>> elevationOf(const Cloud& cloud, const SampleFilter& filter, const RasterGrid& grid,
-                                         const CellWindow& window, const ElevationOptions& options,
-                                         const std::stop_token& stop = {});
+Expected<std::vector<float>> elevationOf(const Cloud& cloud, const SampleFilter& filter,
+                                         const RasterGrid& grid, const CellWindow& window,
+                                         const ElevationOptions& options, const std::stop_token& stop = {});
 
 }  // namespace scancast

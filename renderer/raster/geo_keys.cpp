@@ -12,9 +12,9 @@ namespace scancast {
 namespace {
 
 // OGC 19-008r4, annex B.
-constexpr std::uint16_t modelType = 1024, rasterType = 1025, citation = 1026, geographicType = 2048, projectedType = 3072,
-                        projectedCitation = 3073, projectedUnits = 3076, verticalType = 4096, verticalCitation = 4097,
-                        verticalUnits = 4099;
+constexpr std::uint16_t modelType = 1024, rasterType = 1025, citation = 1026, geographicType = 2048,
+                        projectedType = 3072, projectedCitation = 3073, projectedUnits = 3076,
+                        verticalType = 4096, verticalCitation = 4097, verticalUnits = 4099;
 constexpr std::uint16_t projected = 1, geographic = 2, pixelIsArea = 1, userDefined = 32767;
 /// Of the register's numbers, which end where GeoTIFF's own begin.
 constexpr int mostEpsg = 32766;

@@ -56,12 +56,16 @@ View orthoView(const Cloud& cloud, const OrthoViews& views, const CellWindow& bl
     return view;
 }
 
-std::vector<std::byte> cellsOf(const OrthoViews& views, const CellWindow& block, std::span<const std::uint8_t> rgba) {
+Expected<std::vector<std::byte>> cellsOf(const OrthoViews& views, const CellWindow& block,
+                                         std::span<const std::uint8_t> rgba) {
     const CellWindow picture = pictureOf(views, block);
+    if (rgba.size() != std::size_t(picture.cells()) * 4)
+        return fail(ErrorCode::Internal, "An orthophoto's block was drawn in another size than it has.");
     std::vector<std::byte> cells(std::size_t(block.cells()) * 4);
     const auto row = std::size_t(block.columns) * 4;
     for (std::int64_t y = 0; y < block.rows; ++y) {
-        const auto from = std::size_t((block.row - picture.row + y) * picture.columns + block.column - picture.column) * 4;
+        const auto from =
+            std::size_t((block.row - picture.row + y) * picture.columns + block.column - picture.column) * 4;
         std::memcpy(&cells[std::size_t(y) * row], &rgba[from], row);
     }
     return cells;

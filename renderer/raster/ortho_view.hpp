@@ -24,12 +24,14 @@ struct OrthoViews {
 
 /// `grid`: the raster's; its blocks become those that suit pictures of at most `largest` on a side. Errors: those of the view's words and
 /// of plan().
-Expected<OrthoViews> orthoViews(const Cloud& cloud, RasterGrid grid, const WordValues& words, int largest = 2048);
+Expected<OrthoViews> orthoViews(const Cloud& cloud, RasterGrid grid, const WordValues& words,
+                                int largest = 2048);
 
 /// The view of a block, which has its margin around it.
 View orthoView(const Cloud& cloud, const OrthoViews& views, const CellWindow& block);
 
-/// A block's cells out of its view's picture: `rgba` is width · height · 4 of that.
-std::vector<std::byte> cellsOf(const OrthoViews& views, const CellWindow& block, std::span<const std::uint8_t> rgba);
+/// A block's cells out of its view's picture: `rgba` is width · height · 4 of that; Internal where it is not.
+Expected<std::vector<std::byte>> cellsOf(const OrthoViews& views, const CellWindow& block,
+                                         std::span<const std::uint8_t> rgba);
 
 }  // namespace scancast

@@ -85,37 +85,45 @@ CellWindow RasterGrid::grown(const CellWindow& window, std::int64_t by) const {
     return all;
 }
 
-Expected<RasterGrid> rasterGrid(const Cloud& cloud, const RasterRequest& request, const RasterLimits& limits) {
+Expected<RasterGrid> rasterGrid(const Cloud& cloud, const RasterRequest& request,
+                                const RasterLimits& limits) {
     if (cloud.octree.nodes().empty()) return fail(ErrorCode::Empty, "This cloud has no points.");
     if (crsUnits(cloud.crsWkt, cloud.crsEpsg).kind == CrsUnits::Kind::Geocentric)
-        return fail(ErrorCode::Unsupported,
-                    "The coordinates of this cloud count from the middle of the earth, so that z is not up; bring "
-                    "the scan into a projected system, such as its UTM zone, and make rasters of that.");
+        return fail(
+            ErrorCode::Unsupported,
+            "The coordinates of this cloud count from the middle of the earth, so that z is not up; bring "
+            "the scan into a projected system, such as its UTM zone, and make rasters of that.");
     const Extent extent{{cloud.bounds[0].x, cloud.bounds[0].y}, {cloud.bounds[1].x, cloud.bounds[1].y}};
     if (const auto& box = request.bbox; box && ((*box)[0] > extent.high.x || (*box)[2] < extent.low.x ||
                                                 (*box)[1] > extent.high.y || (*box)[3] < extent.low.y))
-        return fail(ErrorCode::InvalidArgument,
-                    fmt::format("bbox: lies beside the cloud, whose x are {:.12g} to {:.12g} and y {:.12g} to {:.12g}",
-                                extent.low.x, extent.high.x, extent.low.y, extent.high.y),
-                    "bbox");
+        return fail(
+            ErrorCode::InvalidArgument,
+            fmt::format(
+                "bbox: lies beside the cloud, whose x are {:.12g} to {:.12g} and y {:.12g} to {:.12g}",
+                extent.low.x, extent.high.x, extent.low.y, extent.high.y),
+            "bbox");
     const double wanted = request.cell.value_or(automaticSide(cloud, request));
     const std::uint64_t most = limits.mostCells;
-    const double cell = request.cell ? wanted
-                                     : coarseEnough(extent, request, wanted, std::min(most, mostAutomaticCells));
+    const double cell =
+        request.cell ? wanted : coarseEnough(extent, request, wanted, std::min(most, mostAutomaticCells));
     RasterGrid grid = gridWith(extent, request, cell);
     if (!fits(grid, most))
-        return fail(ErrorCode::InvalidArgument,
-                    fmt::format("cell: with cells of {:.6g} the raster has {:.0f} x {:.0f}, and there is room for {} cells; "
-                                "with cell={:.6g} they fit, or with a smaller bbox",
-                                cell, double(grid.columns), double(grid.rows), grouped(most),
-                                coarseEnough(extent, request, cell, most)),
-                    "cell");
+        return fail(
+            ErrorCode::InvalidArgument,
+            fmt::format(
+                "cell: with cells of {:.6g} the raster has {:.0f} x {:.0f}, and there is room for {} cells; "
+                "with cell={:.6g} they fit, or with a smaller bbox",
+                cell, double(grid.columns), double(grid.rows), grouped(most),
+                coarseEnough(extent, request, cell, most)),
+            "cell");
     // Neighbouring cells must have different places.
-    const double farthest = std::max({std::abs(grid.left), std::abs(grid.top), std::abs(grid.right()),
-                                      std::abs(grid.bottom())});
+    const double farthest =
+        std::max({std::abs(grid.left), std::abs(grid.top), std::abs(grid.right()), std::abs(grid.bottom())});
     if (!std::isfinite(farthest) || farthest + cell / 8 == farthest)
-        return fail(ErrorCode::InvalidArgument,
-                    fmt::format("cell: {:.6g} is less than coordinates of {:.6g} can tell apart", cell, farthest), "cell");
+        return fail(
+            ErrorCode::InvalidArgument,
+            fmt::format("cell: {:.6g} is less than coordinates of {:.6g} can tell apart", cell, farthest),
+            "cell");
     grid.tile = request.tile;
     return grid;
 }

@@ -63,6 +63,7 @@ inline constexpr std::uint64_t mostAutomaticCells = 100'000'000;
 
 /// InvalidArgument (`cell`) for a raster of too many cells, with a side that would do, (`bbox`) for one that is beside the cloud, or of
 /// coordinates in which its cells cannot be told apart; Unsupported where up is not z; Empty for a cloud without points.
-Expected<RasterGrid> rasterGrid(const Cloud& cloud, const RasterRequest& request, const RasterLimits& limits = {});
+Expected<RasterGrid> rasterGrid(const Cloud& cloud, const RasterRequest& request,
+                                const RasterLimits& limits = {});
 
 }  // namespace scancast

@@ -31,13 +31,15 @@ int blockSide(const Cloud& cloud, const RasterGrid& grid) {
 
 std::string identityOf(const RasterLayout& layout, const RasterRequest& request, const View& view) {
     const RasterGrid& grid = layout.grid;
-    return fmt::format("{} {} {} {} {} {} {} {} {}\n{}", int(request.kind), grid.left, grid.top, grid.cell, grid.columns,
-                       grid.rows, grid.tile, name(request.packing), grid.block, printJson(toJson(view)));
+    return fmt::format("{} {} {} {} {} {} {} {} {}\n{}", int(request.kind), grid.left, grid.top, grid.cell,
+                       grid.columns, grid.rows, grid.tile, name(request.packing), grid.block,
+                       printJson(toJson(view)));
 }
 
 }  // namespace
 
-Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& request, const RasterLimits& limits) {
+Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& request,
+                                   const RasterLimits& limits) {
     auto grid = rasterGrid(cloud, request, limits);
     if (!grid) return passOn(grid);
     PlannedRaster raster;
@@ -68,12 +70,13 @@ Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& requ
     layout.kind = request.value == CellValue::Count ? CellKind::Count : CellKind::Elevation;
     layout.value = name(request.value);
     layout.unit = heightUnit(cloud);
-    raster.identity = fmt::format("{} {}\n", name(request.value), request.fill) + identityOf(layout, request, *view);
+    raster.identity =
+        fmt::format("{} {}\n", name(request.value), request.fill) + identityOf(layout, request, *view);
     return raster;
 }
 
-Expected<std::vector<std::byte>> elevationCells(const Cloud& cloud, const PlannedRaster& raster, const CellWindow& block,
-                                                const std::stop_token& stop) {
+Expected<std::vector<std::byte>> elevationCells(const Cloud& cloud, const PlannedRaster& raster,
+                                                const CellWindow& block, const std::stop_token& stop) {
     const auto heights = elevationOf(cloud, raster.filter, raster.layout.grid, block, raster.elevation, stop);
     if (!heights) return passOn(heights);
     std::vector<std::byte> cells(heights->size() * sizeof(float));

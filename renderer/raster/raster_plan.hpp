@@ -21,10 +21,11 @@ struct PlannedRaster {
 };
 
 /// Errors: rasterGrid()'s; those of the view's words and of plan().
-Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& request, const RasterLimits& limits = {});
+Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& request,
+                                   const RasterLimits& limits = {});
 
 /// Its cells of a window; of elevation rasters. As elevationOf().
-Expected<std::vector<std::byte>> elevationCells(const Cloud& cloud, const PlannedRaster& raster, const CellWindow& block,
-                                                const std::stop_token& stop = {});
+Expected<std::vector<std::byte>> elevationCells(const Cloud& cloud, const PlannedRaster& raster,
+                                                const CellWindow& block, const std::stop_token& stop = {});
 
 }  // namespace scancast

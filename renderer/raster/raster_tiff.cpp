@@ -39,11 +39,13 @@ Expected<void> RasterTiff::beginPacked(const RasterScratch& scratch) {
     scratch_ = std::move(*file);
     const auto write = [this](std::uint64_t at, std::span<const std::byte> bytes) -> Expected<void> {
         if (at + bytes.size() > mostPacked_)
-            return fail(ErrorCode::ResourceLimit,
-                        fmt::format("The raster has more than {} bytes, as many as may wait until it is complete; ask for "
-                                    "larger cells, a smaller bbox, or compress=none, which does not wait.",
-                                    grouped(mostPacked_)),
-                        "cell");
+            return fail(
+                ErrorCode::ResourceLimit,
+                fmt::format(
+                    "The raster has more than {} bytes, as many as may wait until it is complete; ask for "
+                    "larger cells, a smaller bbox, or compress=none, which does not wait.",
+                    grouped(mostPacked_)),
+                "cell");
         return scratch_->write(at, bytes);
     };
     auto packed = TiffBytes::create(layout_, write);
@@ -61,7 +63,8 @@ std::vector<std::int64_t> RasterTiff::tilesOf(const CellWindow& block) const {
     const RasterGrid& grid = layout_.grid;
     std::vector<std::int64_t> tiles;
     for (std::int64_t row = block.row / grid.tile; row * grid.tile < block.row + block.rows; ++row)
-        for (std::int64_t column = block.column / grid.tile; column * grid.tile < block.column + block.columns; ++column)
+        for (std::int64_t column = block.column / grid.tile;
+             column * grid.tile < block.column + block.columns; ++column)
             tiles.push_back(row * grid.tileColumns() + column);
     return tiles;
 }
@@ -69,16 +72,20 @@ std::vector<std::int64_t> RasterTiff::tilesOf(const CellWindow& block) const {
 /// Of those at the right and at the bottom, what is outside of the raster has no value.
 void RasterTiff::cutTile(std::int64_t tile, const CellWindow& block, std::span<const std::byte> cells) {
     const RasterGrid& grid = layout_.grid;
-    const std::int64_t left = tile % grid.tileColumns() * grid.tile, top = tile / grid.tileColumns() * grid.tile;
+    const std::int64_t left = tile % grid.tileColumns() * grid.tile,
+                       top = tile / grid.tileColumns() * grid.tile;
     const std::int64_t columns = std::min<std::int64_t>(grid.tile, block.column + block.columns - left);
     const std::int64_t rows = std::min<std::int64_t>(grid.tile, block.row + block.rows - top);
     if (columns < grid.tile || rows < grid.tile) {
         const float nothing = layout_.kind == CellKind::Elevation ? noElevation : 0;
-        for (std::size_t at = 0; at < tile_.size(); at += bytesPerCell) std::memcpy(&tile_[at], &nothing, bytesPerCell);
+        for (std::size_t at = 0; at < tile_.size(); at += bytesPerCell)
+            std::memcpy(&tile_[at], &nothing, bytesPerCell);
     }
     for (std::int64_t row = 0; row < rows; ++row) {
-        const auto from = std::size_t((top + row - block.row) * block.columns + left - block.column) * bytesPerCell;
-        std::memcpy(&tile_[std::size_t(row * grid.tile) * bytesPerCell], &cells[from], std::size_t(columns) * bytesPerCell);
+        const auto from =
+            std::size_t((top + row - block.row) * block.columns + left - block.column) * bytesPerCell;
+        std::memcpy(&tile_[std::size_t(row * grid.tile) * bytesPerCell], &cells[from],
+                    std::size_t(columns) * bytesPerCell);
     }
 }
 

@@ -90,8 +90,8 @@ TIFF* openTiff(Sink& sink, bool big) {
     if (options == nullptr) return nullptr;
     TIFFOpenOptionsSetErrorHandlerExtR(options, keepComplaint, &sink);
     TIFFOpenOptionsSetWarningHandlerExtR(options, forgetWarning, nullptr);
-    TIFF* const tiff = TIFFClientOpenExt("raster", big ? "w8l" : "wl", &sink, readNothing, writeSome, seekTo, closeNothing,
-                                         sizeSoFar, nullptr, nullptr, options);
+    TIFF* const tiff = TIFFClientOpenExt("raster", big ? "w8l" : "wl", &sink, readNothing, writeSome, seekTo,
+                                         closeNothing, sizeSoFar, nullptr, nullptr, options);
     TIFFOpenOptionsFree(options);
     return tiff;
 }
@@ -147,10 +147,12 @@ bool setCells(TIFF* tiff, const RasterLayout& layout) {
         ok = set(TIFFTAG_EXTRASAMPLES, 1, extra.data());
     }
     if (ok && packed)
-        ok = set(TIFFTAG_PREDICTOR, layout.kind == CellKind::Elevation ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL) &&
+        ok = set(TIFFTAG_PREDICTOR,
+                 layout.kind == CellKind::Elevation ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL) &&
              set(TIFFTAG_ZIPQUALITY, deflateLevel);
     if (ok && layout.kind == CellKind::Elevation) ok = set(noDataTag, noElevationText);
-    if (const std::string metadata = metadataOf(layout); ok && !metadata.empty()) ok = set(metadataTag, metadata.c_str());
+    if (const std::string metadata = metadataOf(layout); ok && !metadata.empty())
+        ok = set(metadataTag, metadata.c_str());
     const auto say = [&](ttag_t tag, const std::string& text) {
         if (ok && !text.empty()) ok = set(tag, text.c_str());
     };

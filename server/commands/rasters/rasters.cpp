@@ -51,13 +51,14 @@ Expected<RasterRequest> checkedRequest(const RasterArguments& arguments) {
     if (arguments.output == "-") {
         if (isatty(STDOUT_FILENO))
             return fail(ErrorCode::InvalidArgument,
-                        "A TIFF is binary data, not for a terminal; give a file with -o FILE or pipe it on.", "output");
+                        "A TIFF is binary data, not for a terminal; give a file with -o FILE or pipe it on.",
+                        "output");
         return request;
     }
     std::error_code error;
     if (!arguments.force && fs::is_regular_file(arguments.output, error))
-        return fail(ErrorCode::InvalidArgument, fmt::format("{} is there already; --force replaces it.", arguments.output),
-                    "output");
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("{} is there already; --force replaces it.", arguments.output), "output");
     return request;
 }
 
@@ -80,8 +81,8 @@ class BlockPainter {
         return BlockPainter(std::move(*device), options.threads);
     }
 
-    Expected<std::vector<std::byte>> cells(const Cloud& cloud, const OrthoViews& views, const CellWindow& block,
-                                           const std::stop_token& stop) {
+    Expected<std::vector<std::byte>> cells(const Cloud& cloud, const OrthoViews& views,
+                                           const CellWindow& block, const std::stop_token& stop) {
         const View view = orthoView(cloud, views, block);
         RenderOptions options;
         options.depth = false;
@@ -104,13 +105,15 @@ class BlockPainter {
     }
 
   private:
-    BlockPainter(std::unique_ptr<Device> device, int threads) : device_(std::move(device)), threads_(threads) {}
+    BlockPainter(std::unique_ptr<Device> device, int threads)
+        : device_(std::move(device)), threads_(threads) {}
     std::unique_ptr<Device> device_;
     int threads_;
 };
 
 Expected<void> writeRaster(const Cloud& cloud, PlannedRaster& raster, std::optional<BlockPainter>& painter,
-                           const RasterArguments& arguments, const ProgressSink& progress, const std::stop_token& stop) {
+                           const RasterArguments& arguments, const ProgressSink& progress,
+                           const std::stop_token& stop) {
     auto tiff = RasterTiff::create(raster.layout, scratchFor(arguments.output));
     if (!tiff) return passOn(tiff);
     auto file = OutputFile::create(arguments.output);
@@ -163,12 +166,14 @@ Expected<void> runRaster(const RasterArguments& arguments, const RasterRequest& 
     if (!done || arguments.quiet) return done;
     const RasterGrid& grid = raster->layout.grid;
     tell("{}: {} x {} cells of {:g} from x {:.12g}, y {:.12g}, {:.2f} s\n",
-         arguments.output == "-" ? "standard output" : arguments.output, grid.columns, grid.rows, grid.cell, grid.left,
-         grid.top, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+         arguments.output == "-" ? "standard output" : arguments.output, grid.columns, grid.rows, grid.cell,
+         grid.left, grid.top,
+         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     return {};
 }
 
-void addRaster(CLI::App& app, int& exitCode, RasterKind kind, const char* name, const char* what, const char* footer) {
+void addRaster(CLI::App& app, int& exitCode, RasterKind kind, const char* name, const char* what,
+               const char* footer) {
     const auto arguments = std::make_shared<RasterArguments>(kind);
     auto* command = app.add_subcommand(name, what);
     addFilesAsOne(*command, arguments->files, arguments->verbose);
@@ -178,7 +183,8 @@ void addRaster(CLI::App& app, int& exitCode, RasterKind kind, const char* name, 
     command->add_flag("-f,--force", arguments->force, "Replace the file if it exists");
     command->add_flag("-q,--quiet", arguments->quiet, "Nothing on standard error but errors");
     if (kind == RasterKind::Orthophoto) {
-        command->add_option("--backend", arguments->device.backend, "auto, cpu, egl or osmesa")->capture_default_str();
+        command->add_option("--backend", arguments->device.backend, "auto, cpu, egl or osmesa")
+            ->capture_default_str();
         command->add_option("--egl-device", arguments->device.eglDevice,
                             "Which GPU, as numbered by scancast --list-backends");
     }
@@ -210,17 +216,20 @@ void addRaster(CLI::App& app, int& exitCode, RasterKind kind, const char* name, 
 
 void addRasters(CLI::App& app, int& exitCode) {
     addRaster(app, exitCode, RasterKind::Elevation, "dem", "Write elevations in plan, as a GeoTIFF",
-              "Of every cell the highest, the lowest or the mean elevation of the scan's own points in it, all of which are "
+              "Of every cell the highest, the lowest or the mean elevation of the scan's own points in it, "
+              "all of which are "
               "looked at; or how many they are. Any size, in the memory of a few leaves.\n"
               "Examples:\n"
               "  scancast dem town.scan --cell 0.5 -o town-dem.tif\n"
               "  scancast dem town.scan --classes 2 --value mean --fill 4 -o ground.tif\n"
               "  scancast dem flight.las --bbox 389400,5819700,389500,5819800 --cell 0.25 -o part.tif\n");
     addRaster(app, exitCode, RasterKind::Orthophoto, "ortho", "Write an orthophoto, as a GeoTIFF",
-              "The cloud from straight above, drawn by any method and in any colour; transparent where nothing is.\n"
+              "The cloud from straight above, drawn by any method and in any colour; transparent where "
+              "nothing is.\n"
               "Examples:\n"
               "  scancast ortho town.scan --cell 0.1 -o town-ortho.tif\n"
-              "  scancast ortho town.scan --cell 0.25 --color elevation --light occlusion=0.6 --background '#ffffff' -o "
+              "  scancast ortho town.scan --cell 0.25 --color elevation --light occlusion=0.6 --background "
+              "'#ffffff' -o "
               "relief.tif\n");
 }
 

@@ -42,22 +42,23 @@ std::uint64_t workingBytesOf(const PlannedRaster& raster) {
 }
 
 std::string factsOf(const RasterGrid& grid) {
-    return nlohmann::json{{"columns", grid.columns}, {"rows", grid.rows},   {"cell", grid.cell},
-                          {"left", grid.left},       {"top", grid.top},     {"right", grid.right()},
+    return nlohmann::json{{"columns", grid.columns}, {"rows", grid.rows}, {"cell", grid.cell},
+                          {"left", grid.left},       {"top", grid.top},   {"right", grid.right()},
                           {"bottom", grid.bottom()}, {"tile", grid.tile}}
         .dump();
 }
 
 /// Where a file lies, and what is wrong with it, is for who runs this server.
 Problem problemOfRaster(const Error& error, const std::string& path) {
-    const bool isOfFile =
-        error.code == ErrorCode::Io || error.code == ErrorCode::Malformed || error.code == ErrorCode::Truncated;
+    const bool isOfFile = error.code == ErrorCode::Io || error.code == ErrorCode::Malformed ||
+                          error.code == ErrorCode::Truncated;
     if (!isOfFile) return problemOf(error, path);
     reportFault(error);
-    return problemOf(500,
-                     "The raster cannot be made: what the points are kept in is damaged, or out of reach, or there is no "
-                     "room for temporary files. The server's log says more.",
-                     path);
+    return problemOf(
+        500,
+        "The raster cannot be made: what the points are kept in is damaged, or out of reach, or there is no "
+        "room for temporary files. The server's log says more.",
+        path);
 }
 
 }  // namespace
@@ -80,12 +81,13 @@ struct RasterAnswers::Work {
     TransientMemory::Hold working;
     std::unique_ptr<RasterTiff> tiff;
     HttpResponse head;
-    std::int64_t blocks = 0;  ///< that are in
-    int orders = 0;           ///< of the current block, that came to nothing
-    Respond respond{};            ///< until it is answered
-    BodySource::Given given{};    ///< afterwards, while the next part is waited for
+    std::int64_t blocks = 0;    ///< that are in
+    int orders = 0;             ///< of the current block, that came to nothing
+    Respond respond{};          ///< until it is answered
+    BodySource::Given given{};  ///< afterwards, while the next part is waited for
     std::stop_token gone{};
-    std::unique_ptr<std::stop_callback<std::function<void()>>> leaves{};  ///< gives the picture up that is drawn
+    std::unique_ptr<std::stop_callback<std::function<void()>>>
+        leaves{};  ///< gives the picture up that is drawn
 
     /// Nobody waits for it any more.
     bool isOver() const { return gone.stop_requested(); }
@@ -100,10 +102,11 @@ class RasterAnswers::Body final : public BodySource {
   public:
     Body(const RasterAnswers& maker, std::shared_ptr<Work> work) : maker_(maker), work_(std::move(work)) {}
     void next(Given given) override {
-        maker_.worker_.post([&maker = maker_, work = work_, given = std::move(given)](const std::stop_token&) {
-            work->given = given;
-            maker.advance(work);
-        });
+        maker_.worker_.post(
+            [&maker = maker_, work = work_, given = std::move(given)](const std::stop_token&) {
+                work->given = given;
+                maker.advance(work);
+            });
     }
 
   private:
@@ -121,15 +124,15 @@ RasterAnswers::RasterAnswers(const Admission& admission, TransientMemory memory,
       places_(options.places),
       arena_(std::make_unique<Arena>()),
       worker_(2 * options.places.all + 2) {
-    worker_.post(
-        [](const std::stop_token&) { std::ignore = setpriority(PRIO_PROCESS, id_t(gettid()), rasterPoliteness); });
+    worker_.post([](const std::stop_token&) {
+        std::ignore = setpriority(PRIO_PROCESS, id_t(gettid()), rasterPoliteness);
+    });
 }
 
 RasterAnswers::~RasterAnswers() = default;
 
-tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::admit(const HttpRequest& request,
-                                                                                      const Routed& routed,
-                                                                                      const VisibleClouds& clouds) const {
+tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::admit(
+    const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds) const {
     const auto refuse = [&](Problem problem) {
         problem.instance = routed.path;
         HttpResponse response = problemResponse(problem);
@@ -140,18 +143,21 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
     const auto cloud = clouds.cloud(routed.id);
     if (!cloud) return refuse(cloud.error());
     if (!accepts(request.header("accept"), tiffType))
-        return refuse(problemOf(406, "This address answers with image/tiff, which the Accept header rules out."));
+        return refuse(
+            problemOf(406, "This address answers with image/tiff, which the Accept header rules out."));
     if (isElevation && routed.grant.identity.kind == IdentityKind::Guest && !options_.guestsMayExport)
-        return refuse(problemOf(403,
-                                "Guests of this server see pictures, and do not get elevations; whoever runs it can allow "
-                                "that (--guests-may-export)."));
+        return refuse(problemOf(
+            403,
+            "Guests of this server see pictures, and do not get elevations; whoever runs it can allow "
+            "that (--guests-may-export)."));
     const auto words = parseQuery(routed.query);
     if (!words) return refuse(problemOf(words.error()));
     const auto asked = rasterRequestOf(isElevation ? RasterKind::Elevation : RasterKind::Orthophoto, *words);
     if (!asked) return refuse(problemOf(asked.error()));
     if (const auto entry = clouds.find(routed.id); entry && entry->state == CloudState::Loading)
         return refuse(problemOf(
-            503, "This cloud is still being read, and not all of its points are there; ask again in a moment."));
+            503,
+            "This cloud is still being read, and not all of its points are there; ask again in a moment."));
     const int side = int(std::min(2048.0, std::sqrt(double(options_.mostPixels))));
     auto planned = planRaster(**cloud, *asked, {options_.mostCells, side});
     if (!planned) return refuse(problemOf(planned.error()));
@@ -162,7 +168,8 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
         if (device.state != DeviceStatus::State::Ready)
             return refuse(problemOf(503, "The rendering device is not available."));
         all += '\0' + device.info.identity;
-        if (!(*cloud)->octree.store().whole()) all += '\0' + std::to_string((*cloud)->octree.store().capacity());
+        if (!(*cloud)->octree.store().whole())
+            all += '\0' + std::to_string((*cloud)->octree.store().capacity());
     }
     const std::string tag = contentTag(all);
     HttpResponse head;
@@ -182,7 +189,8 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
         return tl::unexpected(std::move(head));
     }
     if (!isElevation) {
-        const auto first = plan(**cloud, orthoView(**cloud, *planned->ortho, planned->layout.grid.blockAt(0)));
+        const auto first =
+            plan(**cloud, orthoView(**cloud, *planned->ortho, planned->layout.grid.blockAt(0)));
         if (!first) return refuse(problemOf(first.error()));
         const auto price = admission_.price(**cloud, **first, PictureFormat::Pixels);
         if (!price) return refuse(price.error());
@@ -193,7 +201,8 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
     const std::uint64_t needed = workingBytesOf(*planned), others = memory_.bytes(MemoryUse::Answers);
     if (others > 0 && others + needed > memory_.forAnswers())
         return refuse(problemOf(
-            503, "There is no memory for another raster: other answers have not been read yet. Ask again later."));
+            503,
+            "There is no memory for another raster: other answers have not been read yet. Ask again later."));
     working.resize(needed);
     std::error_code none;
     auto tiff = RasterTiff::create(planned->layout, {std::filesystem::temp_directory_path(none), "TMPDIR",
@@ -212,8 +221,8 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
     return work;
 }
 
-void RasterAnswers::answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
-                           std::stop_token gone) const {
+void RasterAnswers::answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds,
+                           Respond respond, std::stop_token gone) const {
     auto work = admit(request, routed, clouds);
     if (!work) return respond(std::move(work.error()));
     (*work)->respond = std::move(respond);
@@ -224,7 +233,7 @@ void RasterAnswers::answer(const HttpRequest& request, const Routed& routed, con
 // A block at a time, so that all that are under way take turns.
 void RasterAnswers::go(std::shared_ptr<Work> work) const {
     const bool posted = worker_.post([this, work](const std::stop_token&) { advance(work); });
-    if (!posted) fail(work, Error{ErrorCode::Unavailable, "The server is shutting down.", {}});
+    if (!posted) giveUp(work, Error{ErrorCode::Unavailable, "The server is shutting down.", {}});
 }
 
 void RasterAnswers::advance(const std::shared_ptr<Work>& work) const {
@@ -234,7 +243,7 @@ void RasterAnswers::advance(const std::shared_ptr<Work>& work) const {
     makeElevations(work);
 }
 
-void RasterAnswers::fail(const std::shared_ptr<Work>& work, const Error& error) const {
+void RasterAnswers::giveUp(const std::shared_ptr<Work>& work, const Error& error) const {
     if (work->respond)
         return std::exchange(work->respond, {})(problemResponse(problemOfRaster(error, work->path)));
     if (work->given) std::exchange(work->given, {})(tl::unexpected(error));
@@ -266,7 +275,7 @@ void RasterAnswers::makeElevations(const std::shared_ptr<Work>& work) const {
         return work->tiff->put(*cells);
     });
     if (work->isOver()) return;
-    if (!made) return fail(work, made.error());
+    if (!made) return giveUp(work, made.error());
     ++work->blocks;
     go(work);
 }
@@ -274,10 +283,11 @@ void RasterAnswers::makeElevations(const std::shared_ptr<Work>& work) const {
 void RasterAnswers::orderPicture(const std::shared_ptr<Work>& work) const {
     const View view = orthoView(*work->cloud, *work->raster.ortho, *work->tiff->nextBlock());
     const auto planned = plan(*work->cloud, view);
-    if (!planned) return fail(work, planned.error());
+    if (!planned) return giveUp(work, planned.error());
     PictureOrder order{work->cloud, view, PictureFormat::Pixels, false};
     order.planned = *planned;
-    order.price = admission_.price(*work->cloud, **planned, PictureFormat::Pixels).value_or(admission_.limits().picture);
+    order.price = admission_.price(*work->cloud, **planned, PictureFormat::Pixels)
+                      .value_or(admission_.limits().picture);
     order.client = work->client;
     auto done = [this, work](Expected<EncodedPicture> picture) {
         auto drawn = std::make_shared<Expected<EncodedPicture>>(std::move(picture));
@@ -289,16 +299,21 @@ void RasterAnswers::orderPicture(const std::shared_ptr<Work>& work) const {
         work->gone, [this, id = *snapshot] { scheduler_.abandonSnapshot(id); });
 }
 
-void RasterAnswers::takePicture(const std::shared_ptr<Work>& work, const Expected<EncodedPicture>& picture) const {
+void RasterAnswers::takePicture(const std::shared_ptr<Work>& work,
+                                const Expected<EncodedPicture>& picture) const {
     work->leaves.reset();
     if (work->isOver()) return;
     if (!picture) return orderAgain(work, picture.error());
     if (picture->stats.nodesDamaged > 0)
-        return fail(work, Error{ErrorCode::Malformed, "Blocks of the cloud that an orthophoto shows are damaged.", {}});
+        return giveUp(
+            work,
+            Error{ErrorCode::Malformed, "Blocks of the cloud that an orthophoto shows are damaged.", {}});
     const auto taken = contained("Making a raster", [&]() -> Expected<void> {
-        return work->tiff->put(cellsOf(*work->raster.ortho, *work->tiff->nextBlock(), *picture->bytes));
+        const auto cells = cellsOf(*work->raster.ortho, *work->tiff->nextBlock(), *picture->bytes);
+        if (!cells) return passOn(cells);
+        return work->tiff->put(*cells);
     });
-    if (!taken) return fail(work, taken.error());
+    if (!taken) return giveUp(work, taken.error());
     ++work->blocks;
     work->orders = 0;
     advance(work);
@@ -307,7 +322,7 @@ void RasterAnswers::takePicture(const std::shared_ptr<Work>& work, const Expecte
 /// Where others have asked for too much, it waits: who has got a part of a file wants the rest.
 void RasterAnswers::orderAgain(const std::shared_ptr<Work>& work, const Error& error) const {
     const bool isBusy = error.code == ErrorCode::ResourceLimit || error.code == ErrorCode::DeadlineExceeded;
-    if (!isBusy || ++work->orders >= mostOrders || scheduler_.draining()) return fail(work, error);
+    if (!isBusy || ++work->orders >= mostOrders || scheduler_.draining()) return giveUp(work, error);
     std::this_thread::sleep_for(untilNextOrder);
     go(work);
 }

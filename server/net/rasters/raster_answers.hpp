@@ -26,23 +26,23 @@ struct RasterOptions {
     WorkPlaces::Limits places{4, 2};
     bool guestsMayExport = false;  ///< elevations, too; orthophotos they may always see
     std::uint64_t mostCells = 1'000'000'000;
-    std::uint64_t mostPixels = 16'000'000;           ///< of a picture
+    std::uint64_t mostPixels = 16'000'000;               ///< of a picture
     std::uint64_t mostScratch = std::uint64_t(8) << 30;  ///< bytes of all that wait packed
 };
 
 class RasterAnswers {
   public:
     /// Admission and scheduler outlive this.
-    RasterAnswers(const Admission& admission, TransientMemory memory, Scheduler& scheduler, const RasterOptions& options,
-                  std::string version);
+    RasterAnswers(const Admission& admission, TransientMemory memory, Scheduler& scheduler,
+                  const RasterOptions& options, std::string version);
     ~RasterAnswers();
 
     /// Answers when the first block is there, or all of them where they are packed; never once `gone` is requested. Problems: 400;
     /// 403 for guests; 404; 406; 413 for more cells than there are, or pictures that cost too much; 422 for a cloud of which there are no
     /// rasters; 429 and 503 where too many are under way, while the cloud is being read or there is no device; 500 where it is damaged.
     /// What fails later breaks the connection off, before the last chunk.
-    void answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
-                std::stop_token gone) const;
+    void answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds,
+                Respond respond, std::stop_token gone) const;
     /// Nothing is answered afterwards.
     void stop() { worker_.stop(); }
 
@@ -56,7 +56,7 @@ class RasterAnswers {
     void go(std::shared_ptr<Work> work) const;
     void advance(const std::shared_ptr<Work>& work) const;
     void deliver(const std::shared_ptr<Work>& work) const;
-    void fail(const std::shared_ptr<Work>& work, const Error& error) const;
+    void giveUp(const std::shared_ptr<Work>& work, const Error& error) const;
     void makeElevations(const std::shared_ptr<Work>& work) const;
     void orderPicture(const std::shared_ptr<Work>& work) const;
     void takePicture(const std::shared_ptr<Work>& work, const Expected<EncodedPicture>& picture) const;

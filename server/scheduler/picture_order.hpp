@@ -21,8 +21,8 @@ struct PlannedView;
 struct PreparedView;
 
 /// Depth is the frame's depth as it is: float32, little-endian, row by row from the top, +infinity =
-/// background.
-enum class PictureFormat : std::uint8_t { Jpeg, Png, Depth };
+/// background. Pixels are the frame's: red, green, blue, straight alpha, row by row from the top.
+enum class PictureFormat : std::uint8_t { Jpeg, Png, Depth, Pixels };
 
 struct PictureOrder {
     std::shared_ptr<const Cloud> cloud;

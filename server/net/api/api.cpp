@@ -91,6 +91,13 @@ HttpResponse refusedView(Error error, const Routed& routed, std::string_view wit
     return response;
 }
 
+RasterOptions rasterOptions(const ApiOptions& options) {
+    RasterOptions rasters = options.rasters;
+    rasters.guestsMayExport = options.points.guestsMayExport;
+    rasters.mostPixels = std::min(rasters.mostPixels, options.maxPixels);
+    return rasters;
+}
+
 /// The body of a POST that drives a session: a `view` message, whose `type` and `seq` may be left out.
 Expected<messages::ViewChange> parseViewChange(const std::string& body, std::uint64_t seq) {
     auto object = parseJson(body);
@@ -124,7 +131,8 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
       picker_(pictures_, scheduler, options_.version),
       photos_(admission_, options_.memory),
       points_(options_.memory, options_.points),
-      measurer_(admission_, options_.memory, options_.maxPixels) {}
+      measurer_(admission_, options_.memory, options_.maxPixels),
+      rasters_(admission_, options_.memory, scheduler, rasterOptions(options_), options_.version) {}
 
 /// What routes answer, where that is more than a line. Lives as long as Api::answer(): what is answered later keeps
 /// copies.
@@ -475,6 +483,9 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
             return points_.points(request, routed, answers.clouds_, std::move(respond), gone);
         case Route::Profile:
             return points_.profile(request, routed, answers.clouds_, std::move(respond), gone);
+        case Route::Elevation:
+        case Route::Orthophoto:
+            return rasters_.answer(request, routed, answers.clouds_, std::move(respond), gone);
         case Route::GuestLinks:
             return respond(answers.guestLink());
         case Route::GuestSession:

@@ -33,6 +33,8 @@ enum class Route : std::uint8_t {
     Measure,
     Points,
     Profile,
+    Elevation,
+    Orthophoto,
     StreamMjpeg,
     Stream,
     Sessions,
@@ -82,6 +84,9 @@ inline constexpr std::array routes{
     // Guests get pictures of profiles, and points where they may (points_answers.hpp).
     RouteInfo{Route::Points, "/api/v1/clouds/{id}/points", "POST", Need::Guest, false},
     RouteInfo{Route::Profile, "/api/v1/clouds/{id}/profile", "POST", Need::Guest, false},
+    // Guests get orthophotos, and elevations where they may (raster_answers.hpp).
+    RouteInfo{Route::Elevation, "/api/v1/clouds/{id}/dem.tif", "GET, HEAD", Need::Guest, false},
+    RouteInfo{Route::Orthophoto, "/api/v1/clouds/{id}/ortho.tif", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Stream, "/api/v1/stream", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Sessions, "/api/v1/sessions", "GET, HEAD", Need::Admin, true},

@@ -21,6 +21,7 @@
 #include "server/net/api/picker.hpp"
 #include "server/net/api/router.hpp"
 #include "server/net/api/shared_pictures.hpp"
+#include "server/net/maps/map_answers.hpp"
 #include "server/net/origin_check.hpp"
 #include "server/net/points/points_answers.hpp"
 #include "server/price/admission.hpp"
@@ -89,6 +90,7 @@ class Api {
         photos_.stop();
         points_.stop();
         measurer_.stop();
+        maps_.stop();
     }
 
   private:
@@ -114,6 +116,7 @@ class Api {
     PhotoAnswers photos_;
     PointsAnswers points_;
     Measurer measurer_;
+    MapAnswers maps_;
 };
 
 }  // namespace scancast

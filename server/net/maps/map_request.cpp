@@ -271,7 +271,7 @@ Expected<WmsRequest> parseWmsRequest(std::string_view query, std::string_view la
     if (!words) return passOn(words);
     if (auto ok = checkService(*words, "WMS"); !ok) return passOn(ok);
     const std::string request = lowerCase(words->text("REQUEST"));
-    if (request == "getcapabilities" || request == "capabilities") return CapabilitiesRequest{words->view};
+    if (request.empty() || request == "getcapabilities" || request == "capabilities") return CapabilitiesRequest{words->view};
     std::string version = words->text("VERSION");
     if (version.empty()) version = words->find("SRS") != nullptr ? "1.1.1" : "1.3.0";
     if (version != "1.3.0" && version != "1.1.1" && version != "1.1.0")
@@ -295,7 +295,7 @@ Expected<WmtsRequest> parseWmtsRequest(std::string_view query, std::string_view 
     if (!words) return passOn(words);
     if (auto ok = checkService(*words, "WMTS"); !ok) return passOn(ok);
     const std::string request = lowerCase(words->text("REQUEST"));
-    if (request == "getcapabilities") return CapabilitiesRequest{words->view};
+    if (request.empty() || request == "getcapabilities") return CapabilitiesRequest{words->view};
     if (request != "gettile") return wrong("REQUEST", "must be GetCapabilities or GetTile");
     if (auto ok = checkLayer(*words, "LAYER", layer); !ok) return passOn(ok);
     const auto format = formatOf(*words);

@@ -12,6 +12,7 @@
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/exact_places.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/residency/pictured_octree.hpp"
 #include "renderer/select/viewpoint.hpp"
 #include "renderer/style.hpp"
 
@@ -105,10 +106,10 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
 }
 
 /// All that is known of it: from its file, or, in memory, what its sample says.
-Expected<KeptPoint> keptPoint(const Cloud& cloud, const Nearest& found) {
-    const Node& node = cloud.octree.node(found.node);
+Expected<KeptPoint> keptPoint(const Cloud& cloud, const Octree& octree, const Nearest& found) {
+    const Node& node = octree.node(found.node);
     KeptPoint point;
-    if (const auto file = cloud.octree.store().cloudFile()) {
+    if (const auto file = octree.store().cloudFile()) {
         auto kept = file->point(found.node, found.run.samples, found.index);
         if (!kept) return kept;
         point = std::move(*kept);
@@ -149,10 +150,15 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     const auto place = placeUnder(cloud, view, pixel, depth);
     if (!place) return passOn(place);
     if (view.style.mirrors && isGlass(cloud, *place, depth)) return std::nullopt;
-    const auto nearest = nearestLeafSample(cloud.octree, *place, sampleFilter(cloud, view.style), stop);
+    Style filtered = view.style;
+    filtered.color = ColorSource::Auto;  // else samples would have a column's values for intensities
+    const auto pictured = picturedOctree(cloud, filtered);
+    if (!pictured) return passOn(pictured);
+    const Octree& octree = *pictured ? **pictured : cloud.octree;
+    const auto nearest = nearestLeafSample(octree, *place, sampleFilter(cloud, view.style), stop);
     if (!nearest) return passOn(nearest);
     if (nearest->node == noNode) return std::nullopt;
-    auto point = keptPoint(cloud, *nearest);
+    auto point = keptPoint(cloud, octree, *nearest);
     if (!point) return passOn(std::move(point));
     Picked picked;
     picked.point = std::move(*point);

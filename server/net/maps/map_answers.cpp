@@ -32,7 +32,7 @@ constexpr int lookedAtSide = 33;
 /// ms of a reference core to encode a pixel of nothing.
 constexpr double forEmptyPixel = 15e-6;
 
-bool says(const WordValues& words, std::string_view name) {
+bool saysWord(const WordValues& words, std::string_view name) {
     return std::ranges::any_of(words, [name](const auto& word) { return word.first == name; });
 }
 
@@ -42,7 +42,7 @@ Expected<View> asMap(const Cloud& cloud, View view, const MapRequest& map) {
     view.height = map.height;
     view.camera = cameraAbove(cloud, (glm::dvec2(cloud.bounds[0]) + glm::dvec2(cloud.bounds[1])) * 0.5, 1);
     Background& background = view.style.background;
-    if (!says(map.words, "background")) {
+    if (!saysWord(map.words, "background")) {
         background = {map.transparent ? Background::Kind::Transparent : Background::Kind::Color, map.background,
                       map.background};
     }
@@ -59,18 +59,18 @@ std::optional<Rgb8> backgroundOf(const View& view) {
 }
 
 /// Everything that decides its pixels beside the view.
-std::string printed(const MapRequest& map) {
+std::string printedMap(const MapRequest& map) {
     return fmt::format("map {} {} {} {} {} {} {}x{}", map.crs, map.axesOfCrs, map.box[0], map.box[1], map.box[2],
                        map.box[3], map.width, map.height);
 }
 
-const WordValues& wordsOf(const MapRequest& map) {
+const WordValues& wordsOfMap(const MapRequest& map) {
     return map.words;
 }
-const WordValues& wordsOf(const FeatureRequest& request) {
+const WordValues& wordsOfMap(const FeatureRequest& request) {
     return request.map.words;
 }
-const WordValues& wordsOf(const CapabilitiesRequest& request) {
+const WordValues& wordsOfMap(const CapabilitiesRequest& request) {
     return request.words;
 }
 
@@ -168,7 +168,7 @@ MapAnswers::~MapAnswers() = default;
 void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
                         const std::stop_token& gone) const {
     const auto asked = std::make_shared<Asked>(clouds);
-    asked->service = serviceOf(routed.route);
+    asked->service = wantsProblems(routed.query) ? MapService::Plain : serviceOf(routed.route);
     asked->request = request;
     asked->id = routed.id;
     asked->path = routed.path;
@@ -213,7 +213,7 @@ std::optional<View> MapAnswers::look(const Shared& asked, const WordValues& word
 void MapAnswers::wms(const Shared& asked, std::string_view query) const {
     const auto parsed = parseWmsRequest(query, asked->id);
     if (!parsed) return asked->refuse(parsed.error());
-    const auto view = look(asked, std::visit([](const auto& wanted) -> const WordValues& { return wordsOf(wanted); }, *parsed));
+    const auto view = look(asked, std::visit([](const auto& wanted) -> const WordValues& { return wordsOfMap(wanted); }, *parsed));
     if (!view) return;
     if (const auto* wanted = std::get_if<MapRequest>(&*parsed)) return map(asked, *wanted, *view);
     if (const auto* wanted = std::get_if<FeatureRequest>(&*parsed)) return feature(asked, *wanted, *view);
@@ -271,7 +271,7 @@ void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& loo
         return asked->refuse(problemOf(503, "The rendering device is not available."));
     Ordered ordered{map, std::move(*view), (*planned)->margin, device.info, {}};
     ordered.tag = contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
-                             printed(ordered.map));
+                             printedMap(ordered.map));
     HttpResponse head = ordered.head(*asked);
     if (matchesAny(asked->request.header("if-none-match"), ordered.tag)) {
         head.status = 304;

@@ -72,6 +72,9 @@ Expected<WmtsRequest> parseWmtsRequest(std::string_view query, std::string_view 
 Expected<TileRequest> parseTileRequest(std::string_view set, std::string_view z, std::string_view x, std::string_view last,
                                        std::string_view query);
 
+/// Whether what is wrong shall be said as everywhere else (RFC 9457), not in the service's words: EXCEPTIONS=application/problem+json.
+bool wantsProblems(std::string_view query);
+
 /// The words of a view in a query of nothing else; `style` is what a service's style is.
 Expected<WordValues> parseMapWords(std::string_view query);
 

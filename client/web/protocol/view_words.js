@@ -55,14 +55,19 @@ const flag = { read: (text) => ({ true: true, false: false })[text], print: Stri
 const share = numeric(0, 1);
 const length = numeric(1e-9, farthest);
 
+export const columnPrefix = 'column:';
+const longestColumnName = 256;
+const isColumnName = (name) => name.length > 0 && name.length <= longestColumnName;
+
 const color = {
   read(text) {
+    if (text.startsWith(columnPrefix)) return isColumnName(text.slice(columnPrefix.length)) ? text : undefined;
     const by = text.endsWith(byIntensity) ? byIntensity : '';
     const source = text.slice(0, text.length - by.length);
     if (hexColor.test(source)) return withHash(source) + by;
     return shortName.test(source) ? source + by : undefined;
   },
-  print: (value) => value.replace('#', ''),
+  print: (value) => (value.startsWith(columnPrefix) ? value : value.replace('#', '')),
 };
 const background = {
   read(text) {
@@ -120,6 +125,29 @@ const shapes = {
   print: (values) => (values.length > 0 ? values.map(printShape).join(';') : 'auto'),
 };
 
+/** NAME:LOW..HIGH, either end left out: as the JSON view has it. */
+function readColumnRange(text) {
+  const [, escaped, ...ends] = /^(.*):([^:]*?)\.\.([^:]*)$/s.exec(text) ?? [];
+  if (escaped === undefined || /%(?![0-9a-f]{2})/i.test(escaped)) return undefined;
+  const column = escaped.replace(/%([0-9a-f]{2})/gi, (_, digits) => String.fromCharCode(parseInt(digits, 16)));
+  const [low, high] = ends.map((end) => (end === '' ? null : readNumber(end)));
+  if (!isColumnName(column) || low === undefined || high === undefined || (low === null && high === null)) return undefined;
+  if (low !== null && high !== null && low > high) return undefined;
+  return { column, ...(low !== null && { low }), ...(high !== null && { high }) };
+}
+const printEnd = (end) => (end === undefined || end === null ? '' : number(end));
+const printColumnRange = ({ column, low, high }) =>
+  `${column.replaceAll('%', '%25').replaceAll(';', '%3B')}:${printEnd(low)}..${printEnd(high)}`;
+
+export const mostColumnRanges = 4;
+const columnRanges = {
+  read(text) {
+    const values = text.split(';').map(readColumnRange);
+    return values.length <= mostColumnRanges && !values.includes(undefined) ? values : undefined;
+  },
+  print: (values) => (values.length > 0 ? values.map(printColumnRange).join(';') : 'auto'),
+};
+
 const plain = (word, kind) => ({ word, at: [word], ...kind });
 const open = (word, kind) => ({ ...plain(word, kind), auto: true });
 /** Said only where it is not what the cloud has anyway. */
@@ -131,7 +159,7 @@ const table = [
   plain('method', named), plain('color', color), plain('colormap', named),
   open('range', tuple(2, ([low, high]) => low < high)), open('shading', named),
   plain('mirrors', flag), plain('behindMirrors', flag), plain('background', background), open('detail', numeric(0, 1024)),
-  rare(open('exposure', numeric(-3, 3))), rare(open('classes', classes)), rare(open('clip', box)), rare(open('clips', shapes)),
+  rare(open('exposure', numeric(-3, 3))), rare(open('classes', classes)), rare(open('filter', columnRanges)), rare(open('clip', box)), rare(open('clips', shapes)),
   light('ambient', share), light('headlight', share), light('sunlight', share), light('shine', share), light('shadow', share),
   { ...light('occlusion', share), auto: true },
   { ...light('sun', tuple(2, ([around, above]) => Math.abs(around) <= 360 && above >= 0 && above <= 90)), auto: true },

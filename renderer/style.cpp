@@ -45,6 +45,7 @@ bool has(const CloudFacts& cloud, ColorSource source) {
         case ColorSource::Depth:
         case ColorSource::Lod:
         case ColorSource::Visibility:
+        case ColorSource::Cloud:
         case ColorSource::Flat:
             return true;
     }
@@ -62,7 +63,7 @@ std::string available(const CloudFacts& cloud) {
         list += quoteText(cloud.columns[c].column.name);
         list += ", ";
     }
-    return list + "elevation, depth, lod and #rrggbb";
+    return list + "elevation, depth, lod, cloud and #rrggbb";
 }
 
 /// Least and greatest depth of the cloud's bounding box, in front of the eye.
@@ -216,6 +217,11 @@ Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const View
     rule.source = style.color == ColorSource::Visibility ? ColorSource::Flat : style.color;
     if (style.color == ColorSource::Column) rule.source = ColorSource::Intensity;
     rule.flat = style.flatColor;
+    // Of several, the samples have the colours of their clouds already (renderer/together); one alone has the first.
+    if (style.color == ColorSource::Cloud) {
+        rule.source = cloud.together ? ColorSource::Rgb : ColorSource::Flat;
+        rule.flat = cloudColors.front();
+    }
     rule.ramp = *ramp;
     setRange(cloud, style, viewpoint, rule);
     setTone(style, rule);

@@ -18,6 +18,7 @@
 
 #include "protocol/error.hpp"
 #include "protocol/view/clip_shapes.hpp"
+#include "protocol/view/viewed_clouds.hpp"
 
 namespace scancast {
 
@@ -50,17 +51,18 @@ enum class ColorSource : std::uint8_t {
     Depth,
     Lod,
     Visibility,  ///< what hidden point removal finds; docs/spec/pyramid.md section 4.5
+    Cloud,       ///< each cloud of a view of several by a colour of its own (viewed_clouds.hpp)
     Flat,
     Column,  ///< a kept column, by its name (Style::column)
 };
 /// Of all but Flat, which is #rrggbb on the wire, and Column, which is column:NAME.
-inline constexpr std::array<std::string_view, 11> colorSourceNames{
-    "auto",   "rgb",       "cir",   "intensity", "elevation", "classification",
-    "normal", "curvature", "depth", "lod",       "visibility"};
+inline constexpr std::array<std::string_view, 12> colorSourceNames{
+    "auto",   "rgb",       "cir",   "intensity", "elevation",  "classification",
+    "normal", "curvature", "depth", "lod",       "visibility", "cloud"};
 /// Whether its brightness may follow intensity (`rgb*intensity`).
 constexpr bool takesIntensity(ColorSource source) {
     using enum ColorSource;
-    return source == Rgb || source == Elevation || source == Classification || source == Flat;
+    return source == Rgb || source == Elevation || source == Classification || source == Cloud || source == Flat;
 }
 inline constexpr std::array<std::string_view, 3> colormapNames{"viridis", "turbo", "grey"};
 enum class Shading : std::uint8_t { Unlit, Phong, EyeDome };
@@ -69,8 +71,6 @@ inline constexpr std::array<std::string_view, 3> shadingNames{"unlit", "phong", 
 /// What stands alone or in a small group, far from everything else (docs/spec/surfels.md section 8).
 enum class Outliers : std::uint8_t { Hide, Show };
 inline constexpr std::array<std::string_view, 2> outlierNames{"hide", "show"};
-
-using Rgb8 = std::array<std::uint8_t, 3>;
 
 struct Background {
     enum class Kind : std::uint8_t { Color, Gradient, Transparent };
@@ -162,6 +162,7 @@ struct View {
     int width = 1280;  ///< px, 1–16384
     int height = 720;
     Style style;
+    ViewedClouds with;  ///< what is shown together with the cloud
     Quality quality;
     bool operator==(const View&) const = default;
 };

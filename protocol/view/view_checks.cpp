@@ -83,6 +83,12 @@ bool isParameterName(std::string_view text) {
     });
 }
 
+bool isCloudName(std::string_view text) {
+    return !text.empty() && text.size() <= longestCloudName && std::ranges::none_of(text, [](char c) {
+        return c == ',' || c == ';' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    });
+}
+
 }  // namespace
 
 Expected<void> coordinates(std::string_view word, const glm::dvec3& value) {
@@ -123,6 +129,22 @@ Expected<void> clipShapes(std::string_view word, const ClipShapes& shapes) {
             word, std::string(word) + ": there are more than " + std::to_string(mostClipShapes) + " shapes");
     for (std::size_t i = 0; i < shapes.size(); ++i)
         if (auto ok = clipShape(word, i + 1, shapes[i]); !ok) return ok;
+    return {};
+}
+
+Expected<void> viewedClouds(std::string_view word, const ViewedClouds& clouds) {
+    if (clouds.size() > mostViewedClouds)
+        return invalid(
+            word, std::string(word) + ": there are more than " + std::to_string(mostViewedClouds) + " clouds");
+    if (std::ranges::count(clouds, ownCloudName, &ViewedCloud::cloud) > 1)
+        return invalid(word, std::string(word) + ": the view's own cloud, \".\", stands there twice");
+    for (const ViewedCloud& one : clouds) {
+        if (!isCloudName(one.cloud))
+            return invalid(word, std::string(word) + ": " + quoteText(one.cloud) +
+                                     " is no cloud's name; one has 1 to 255 bytes, without commas, "
+                                     "semicolons and control characters");
+        if (auto ok = coordinates(word, one.shift); !ok) return ok;
+    }
     return {};
 }
 

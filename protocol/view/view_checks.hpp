@@ -17,6 +17,8 @@ Expected<void> matrix(std::string_view word, const std::array<double, 16>& value
 Expected<void> clipBox(std::string_view word, const ClipBox& box);
 /// Boxes with an inside, planes with a normal; no more than there may be.
 Expected<void> clipShapes(std::string_view word, const ClipShapes& shapes);
+/// Names that there can be, the view's own cloud once at most, and no more than there may be.
+Expected<void> viewedClouds(std::string_view word, const ViewedClouds& clouds);
 Expected<void> ends(std::string_view word, const std::array<double, 2>& range);
 /// Azimuth and elevation.
 Expected<void> sun(std::string_view word, const std::array<double, 2>& direction);

@@ -169,8 +169,8 @@ Parsed<Color> parse(As<Color>, std::string_view text) {
                               quoteText(text));
     if (!takesIntensity(color->source))
         return tl::unexpected(quoteText(text) +
-                              " is no colour; rgb, elevation, classification and #rrggbb may be multiplied "
-                              "by intensity");
+                              " is no colour; rgb, elevation, classification, cloud and #rrggbb may be "
+                              "multiplied by intensity");
     color->byIntensity = true;
     return color;
 }

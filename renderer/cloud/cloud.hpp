@@ -172,8 +172,12 @@ std::vector<std::string> remarksOn(const CloudFacts& facts);
 /// Changes whenever a picture of the cloud could, with its look: that decides what views leave open.
 std::string pictureRevision(const CloudFacts& facts);
 
+struct Together;
+
 struct Cloud : CloudFacts {
     Octree octree;
+    /// Of several clouds in one view: which, and whose nodes are whose (renderer/together/together.hpp); else empty.
+    std::shared_ptr<const Together> together{};
 
     /// Looks at the whole cloud from the south-east, 30° down. Z is up, but for models that plainly stand on
     /// y = 0.

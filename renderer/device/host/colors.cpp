@@ -34,6 +34,7 @@ SplatColoring splatColoring(const ColorRule& rule) {
     switch (rule.source) {
         case ColorSource::Auto:
         case ColorSource::Rgb:
+        case ColorSource::Cloud:  // in the samples already
             return rule.toned ? SplatColoring::Toned : SplatColoring::Rgb;
         case ColorSource::Intensity:
             return SplatColoring::Intensity;

@@ -28,6 +28,9 @@ class PointTree {
     /// the same.
     bool findNearer(const glm::dvec3& p, Nearest& nearest) const;
 
+    /// Of all points that are the nearest to `p`, the first one that it was made of: its index().
+    std::uint32_t firstNearest(const glm::dvec3& p, Nearest nearest) const;
+
     glm::dvec3 point(std::uint32_t place) const { return {x_[place], y_[place], z_[place]}; }
     /// Which of the points that it was made of stands there.
     std::uint32_t index(std::uint32_t place) const { return index_[place]; }

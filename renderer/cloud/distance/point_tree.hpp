@@ -1,7 +1,5 @@
 // Points in a balanced k-d tree, each part with its box, for exact nearest-point queries. Immutable once built; *thread safety*: any
-// number of threads. Pipeline: a node's points → **tree** → distances. Source: Bentley, "Multidimensional binary search trees used
-// for associative searching", 1975; nearest-point search as Friedman, Bentley and Finkel, "An algorithm for finding best matches in
-// logarithmic expected time", 1977, whose bounds here are the boxes of the points themselves.
+// number of threads. Pipeline: a node's points → **tree** → distances.
 #pragma once
 
 #include <cstddef>

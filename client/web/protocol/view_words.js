@@ -9,6 +9,7 @@ const numbers = (values) => values.map(number).join(',');
 
 const plainNumber = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 const shortName = /^[A-Za-z0-9._-]{1,64}$/;
+const shortCloud = /^[A-Za-z0-9._-]{1,80}$/;
 const columnName = /^\P{Cc}{1,256}$/u; // the file's own word
 const parameterName = /^[A-Za-z0-9]{1,64}$/;
 const hexColor = /^#?[0-9a-f]{6}$/i;
@@ -150,7 +151,7 @@ const filters = listWord(mostFilters, readFilter, printFilter);
 /** A cloud that is shown together with this one; `.` is this one itself. */
 function readMember(text) {
   const [id, ...parts] = text.split(',');
-  if (id !== '.' && !shortName.test(id)) return undefined;
+  if (!shortCloud.test(id)) return undefined;
   const member = { cloud: id };
   for (const part of parts) {
     const [key, ...values] = part.split(':');
@@ -169,6 +170,33 @@ const printMember = ({ cloud, shift, tint, hidden }) => [
 
 export const mostMembers = 64;
 const members = listWord(mostMembers, readMember, printMember);
+
+/** A cloud of several: its name, and what is said of it. */
+function readCloud(text) {
+  const [cloud, ...parts] = text.split(',');
+  const made = { cloud, shift: [0, 0, 0], tint: null, hidden: false };
+  for (const part of parts) {
+    const [kind, ...values] = part.split(':');
+    const shift = values.map(readNumber);
+    if (part === 'hidden') made.hidden = true;
+    else if (kind === 'tint' && /^#?[0-9a-f]{6}$/i.test(values[0])) made.tint = `#${values[0].replace('#', '')}`;
+    else if (kind === 'shift' && shift.length === 3 && shift.every((value) => Math.abs(value) <= farthest)) made.shift = shift;
+    else return undefined;
+  }
+  return shortCloud.test(cloud) ? made : undefined;
+}
+
+const printCloud = ({ cloud, shift, tint, hidden }) => [cloud, ...(shift?.some((value) => value !== 0) ? [`shift:${shift.map(number).join(':')}`] : []),
+  ...(tint ? [`tint:${tint.slice(1)}`] : []), ...(hidden ? ['hidden'] : [])].join(',');
+
+export const mostClouds = 64;
+const clouds = {
+  read(text) {
+    const values = text.split(';').map(readCloud);
+    return values.length <= mostClouds && !values.includes(undefined) ? values : undefined;
+  },
+  print: (values) => (values.length > 0 ? values.map(printCloud).join(';') : 'auto'),
+};
 
 const plain = (word, kind) => ({ word, at: [word], ...kind });
 const open = (word, kind) => ({ ...plain(word, kind), auto: true });

@@ -153,7 +153,8 @@ Expected<Snapshot> Server::map(const std::string& cloud, const MapArea& area, co
                    {"EXCEPTIONS", std::string(problemMediaType)}};
     all.insert(all.end(), words.begin(), words.end());
     return picture(cloudPath(cloud) + "/wms?" + printQuery(all),
-                   {{"width", std::to_string(area.width)}, {"height", std::to_string(area.height)}}, format, etag);
+                   {{"width", std::to_string(area.width)}, {"height", std::to_string(area.height)}}, format,
+                   etag);
 }
 
 Expected<LonLatPoints> Server::lonLat(const std::string& cloud, const LonLatRequest& request) const {
@@ -161,7 +162,8 @@ Expected<LonLatPoints> Server::lonLat(const std::string& cloud, const LonLatRequ
     if (!answer) return passOn(answer);
     auto points = parseLonLatAnswer(*answer);
     if (points && points->size() != request.points.size())
-        return fail(ErrorCode::Malformed, url_.authority() + " answered with another number of places than was asked for");
+        return fail(ErrorCode::Malformed,
+                    url_.authority() + " answered with another number of places than was asked for");
     return points;
 }
 

@@ -38,10 +38,12 @@ struct Snapshot {
 
 /// Which part of the world a map shows, from edge to edge of its outermost pixels.
 struct MapArea {
-    std::string crs = "file";     ///< "EPSG:3857", the cloud's own "EPSG:25833", "CRS:84"; file: the cloud's coordinates
-    std::array<double, 4> box{};  ///< left, bottom, right, top: x and y, whatever order the system's axes have
-    int width = 0, height = 0;    ///< px
-    bool transparent = true;      ///< where no point is; of PNG. Else white
+    std::string crs =
+        "file";  ///< "EPSG:3857", the cloud's own "EPSG:25833", "CRS:84"; file: the cloud's coordinates
+    std::array<double, 4>
+        box{};                  ///< left, bottom, right, top: x and y, whatever order the system's axes have
+    int width = 0, height = 0;  ///< px
+    bool transparent = true;    ///< where no point is; of PNG. Else white
 };
 
 /// What a server said of the points that it gave away.
@@ -110,7 +112,8 @@ class Server {
 
     /// A raster in plan, elevations or an orthophoto, as the bytes of a GeoTIFF. Where it is packed the answer begins when all of it is
     /// made, and for that this waits up to an hour; with RasterPacking::None it comes while it is made.
-    Expected<RasterFacts> raster(const std::string& cloud, const RasterRequest& request, const TakeBytes& take) const;
+    Expected<RasterFacts> raster(const std::string& cloud, const RasterRequest& request,
+                                 const TakeBytes& take) const;
 
   private:
     Expected<Snapshot> picture(const std::string& target, const WordValues& size, PictureFormat format,

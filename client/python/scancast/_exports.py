@@ -274,7 +274,7 @@ class PointsOfCloud:
         """File coordinates as longitudes and latitudes (WGS 84, degrees), or, ``to="file"``, the other way round; None for a place that has none.
 
         >>> cloud.lonlat([(389500, 5819800)])                                # doctest: +SKIP
-        [(13.3727, 52.5169)]
+        [(13.3715, 52.5171)]
         """
         if to not in ("lonlat", "file"):
             raise ValueError(f"to is lonlat or file, not {to!r}")

@@ -54,14 +54,18 @@ HttpResponse featureResponse(InfoFormat format, const json& picked, const glm::d
             break;
         }
         case InfoFormat::Text:
-            for (const auto& [name, value] : values.items()) response.text += name + " = " + shownValue(value) + "\n";
+            for (const auto& [name, value] : values.items())
+                response.text += name + " = " + shownValue(value) + "\n";
             if (picked.is_null()) response.text = "no point\n";
             type += "; charset=utf-8";
             break;
         case InfoFormat::Html:
-            response.text = "<!DOCTYPE html>\n<html><head><meta charset=\"utf-8\"><title>point</title></head><body>\n<table>\n";
+            response.text =
+                "<!DOCTYPE html>\n<html><head><meta "
+                "charset=\"utf-8\"><title>point</title></head><body>\n<table>\n";
             for (const auto& [name, value] : values.items())
-                response.text += "<tr><th>" + xmlText(name) + "</th><td>" + xmlText(shownValue(value)) + "</td></tr>\n";
+                response.text +=
+                    "<tr><th>" + xmlText(name) + "</th><td>" + xmlText(shownValue(value)) + "</td></tr>\n";
             response.text += "</table>\n</body></html>\n";
             type += "; charset=utf-8";
             break;

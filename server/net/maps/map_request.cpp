@@ -12,21 +12,46 @@ namespace scancast {
 namespace {
 
 /// Of the standards, in capitals; what several versions or programs say and nothing follows from is among them.
-constexpr std::array standardNames{
-    std::string_view("SERVICE"),      std::string_view("VERSION"),        std::string_view("REQUEST"),
-    std::string_view("LAYERS"),       std::string_view("LAYER"),          std::string_view("STYLES"),
-    std::string_view("STYLE"),        std::string_view("CRS"),            std::string_view("SRS"),
-    std::string_view("BBOX"),         std::string_view("WIDTH"),          std::string_view("HEIGHT"),
-    std::string_view("FORMAT"),       std::string_view("TRANSPARENT"),    std::string_view("BGCOLOR"),
-    std::string_view("EXCEPTIONS"),   std::string_view("QUERY_LAYERS"),   std::string_view("INFO_FORMAT"),
-    std::string_view("FEATURE_COUNT"), std::string_view("I"),             std::string_view("J"),
-    std::string_view("X"),            std::string_view("Y"),              std::string_view("TILEMATRIXSET"),
-    std::string_view("TILEMATRIX"),   std::string_view("TILEROW"),        std::string_view("TILECOL"),
-    std::string_view("UPDATESEQUENCE"), std::string_view("ACCEPTVERSIONS"), std::string_view("SECTIONS"),
-    std::string_view("ACCEPTFORMATS"), std::string_view("DPI"),           std::string_view("MAP_RESOLUTION"),
-    std::string_view("FORMAT_OPTIONS"), std::string_view("TILED"),        std::string_view("WMTVER"),
-    std::string_view("TIME"),         std::string_view("ELEVATION"),      std::string_view("SLD"),
-    std::string_view("SLD_BODY")};
+constexpr std::array standardNames{std::string_view("SERVICE"),
+                                   std::string_view("VERSION"),
+                                   std::string_view("REQUEST"),
+                                   std::string_view("LAYERS"),
+                                   std::string_view("LAYER"),
+                                   std::string_view("STYLES"),
+                                   std::string_view("STYLE"),
+                                   std::string_view("CRS"),
+                                   std::string_view("SRS"),
+                                   std::string_view("BBOX"),
+                                   std::string_view("WIDTH"),
+                                   std::string_view("HEIGHT"),
+                                   std::string_view("FORMAT"),
+                                   std::string_view("TRANSPARENT"),
+                                   std::string_view("BGCOLOR"),
+                                   std::string_view("EXCEPTIONS"),
+                                   std::string_view("QUERY_LAYERS"),
+                                   std::string_view("INFO_FORMAT"),
+                                   std::string_view("FEATURE_COUNT"),
+                                   std::string_view("I"),
+                                   std::string_view("J"),
+                                   std::string_view("X"),
+                                   std::string_view("Y"),
+                                   std::string_view("TILEMATRIXSET"),
+                                   std::string_view("TILEMATRIX"),
+                                   std::string_view("TILEROW"),
+                                   std::string_view("TILECOL"),
+                                   std::string_view("UPDATESEQUENCE"),
+                                   std::string_view("ACCEPTVERSIONS"),
+                                   std::string_view("SECTIONS"),
+                                   std::string_view("ACCEPTFORMATS"),
+                                   std::string_view("DPI"),
+                                   std::string_view("MAP_RESOLUTION"),
+                                   std::string_view("FORMAT_OPTIONS"),
+                                   std::string_view("TILED"),
+                                   std::string_view("WMTVER"),
+                                   std::string_view("TIME"),
+                                   std::string_view("ELEVATION"),
+                                   std::string_view("SLD"),
+                                   std::string_view("SLD_BODY")};
 
 constexpr double farthest = 1e15;
 
@@ -61,16 +86,18 @@ struct MapWords {
 
 bool isOfCamera(std::string_view word) {
     for (const ViewWord& known : viewWords())
-        if (known.word == word) return known.path.starts_with("camera.") || word == "width" || word == "height";
+        if (known.word == word)
+            return known.path.starts_with("camera.") || word == "width" || word == "height";
     return false;
 }
 
 Expected<void> checkViewWords(const WordValues& words) {
     for (const auto& [word, value] : words) {
         if (isOfCamera(word))
-            return fail(ErrorCode::InvalidArgument,
-                        word + ": a map looks straight down on what its bounds or its tile say, and has no camera",
-                        word);
+            return fail(
+                ErrorCode::InvalidArgument,
+                word + ": a map looks straight down on what its bounds or its tile say, and has no camera",
+                word);
         if (auto ok = checkWord(word, value); !ok) return ok;
     }
     return {};
@@ -112,7 +139,9 @@ std::optional<std::uint32_t> mapWholeOf(std::string_view text, std::uint32_t mos
 
 Expected<std::array<double, 4>> mapBoxOf(const MapWords& words) {
     const std::string* const text = words.find("BBOX");
-    constexpr std::string_view must = "must be four numbers, two lower bounds and two upper ones that are larger: 389400,5819700,389600,5819900";
+    constexpr std::string_view must =
+        "must be four numbers, two lower bounds and two upper ones that are larger: "
+        "389400,5819700,389600,5819900";
     if (text == nullptr) return wrongWord("BBOX", must);
     std::array<double, 4> box{};
     std::string_view rest = *text;
@@ -147,7 +176,8 @@ Expected<void> applyStyle(const MapWords& words, std::string_view name, WordValu
     const std::string style = words.text(name);
     if (style.empty() || style == "default") return {};
     if (!checkWord("color", style))
-        return wrongWord(name, "must be \"default\" or empty, or a colouring as the word color has them: elevation");
+        return wrongWord(
+            name, "must be \"default\" or empty, or a colouring as the word color has them: elevation");
     std::erase_if(view, [](const auto& word) { return word.first == "color"; });
     view.emplace_back("color", style);
     return {};
@@ -186,7 +216,9 @@ Expected<MapRequest> mapOf(const MapWords& words, std::string_view layer, bool i
     const std::string_view crsName = isOld ? "SRS" : "CRS";
     const std::string* crs = words.find(crsName);
     if (crs == nullptr || crs->empty() || crs->size() > 64)
-        return wrongWord(crsName, "must name a coordinate reference system: EPSG:3857, or file for the cloud's own coordinates");
+        return wrongWord(
+            crsName,
+            "must name a coordinate reference system: EPSG:3857, or file for the cloud's own coordinates");
     map.crs = lowerCase(*crs) == fileCrs ? std::string(fileCrs) : inCapitals(*crs);
     const auto box = mapBoxOf(words);
     if (!box) return passOn(box);
@@ -233,7 +265,8 @@ Expected<FeatureRequest> featureOf(const MapWords& words, std::string_view layer
     if (format.empty()) return request;
     const auto known = std::ranges::find(infoFormatNames, format);
     if (known == infoFormatNames.end())
-        return wrongWord("INFO_FORMAT", "must be application/json, application/geo+json, text/plain or text/html");
+        return wrongWord("INFO_FORMAT",
+                         "must be application/json, application/geo+json, text/plain or text/html");
     request.format = InfoFormat(known - infoFormatNames.begin());
     return request;
 }
@@ -244,8 +277,8 @@ Expected<PictureFormat> formatOfName(std::string_view name) {
     return wrongWord("FORMAT", "must be png or jpg, as it ends the address");
 }
 
-Expected<TileRequest> tileOf(const MapWords& words, std::string_view set, std::string_view z, std::string_view x,
-                             std::string_view y) {
+Expected<TileRequest> tileOf(const MapWords& words, std::string_view set, std::string_view z,
+                             std::string_view x, std::string_view y) {
     TileRequest tile;
     if (set != mercatorSet && set != fileCrs)
         return wrongWord("TILEMATRIXSET", "must be mercator, or file for the cloud's own coordinates");
@@ -271,7 +304,8 @@ Expected<WmsRequest> parseWmsRequest(std::string_view query, std::string_view la
     if (!words) return passOn(words);
     if (auto ok = checkService(*words, "WMS"); !ok) return passOn(ok);
     const std::string request = lowerCase(words->text("REQUEST"));
-    if (request.empty() || request == "getcapabilities" || request == "capabilities") return CapabilitiesRequest{words->view};
+    if (request.empty() || request == "getcapabilities" || request == "capabilities")
+        return CapabilitiesRequest{words->view};
     std::string version = words->text("VERSION");
     if (version.empty()) version = words->find("SRS") != nullptr ? "1.1.1" : "1.3.0";
     if (version != "1.3.0" && version != "1.1.1" && version != "1.1.0")
@@ -300,21 +334,22 @@ Expected<WmtsRequest> parseWmtsRequest(std::string_view query, std::string_view 
     if (auto ok = checkLayer(*words, "LAYER", layer); !ok) return passOn(ok);
     const auto format = mapFormatOf(*words);
     if (!format) return passOn(format);
-    auto tile = tileOf(*words, words->text("TILEMATRIXSET"), words->text("TILEMATRIX"), words->text("TILECOL"),
-                       words->text("TILEROW"));
+    auto tile = tileOf(*words, words->text("TILEMATRIXSET"), words->text("TILEMATRIX"),
+                       words->text("TILECOL"), words->text("TILEROW"));
     if (!tile) return passOn(std::move(tile));
     tile->format = *format;
     return std::move(*tile);
 }
 
-Expected<TileRequest> parseTileRequest(std::string_view set, std::string_view z, std::string_view x, std::string_view last,
-                                       std::string_view query) {
+Expected<TileRequest> parseTileRequest(std::string_view set, std::string_view z, std::string_view x,
+                                       std::string_view last, std::string_view query) {
     const auto words = mapWordsOf(query);
     if (!words) return passOn(words);
     for (const auto& [name, value] : words->standard)
         if (name != "STYLE") return wrongWord(name, "has no part in the address of a tile");
     const auto dot = last.rfind('.');
-    const auto format = formatOfName(dot == std::string_view::npos ? std::string_view() : last.substr(dot + 1));
+    const auto format =
+        formatOfName(dot == std::string_view::npos ? std::string_view() : last.substr(dot + 1));
     if (!format) return passOn(format);
     auto tile = tileOf(*words, set, z, x, last.substr(0, dot));
     if (!tile) return passOn(std::move(tile));

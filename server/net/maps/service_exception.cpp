@@ -41,13 +41,17 @@ HttpResponse exceptionResponse(MapService service, const Problem& problem, std::
     std::string& text = response.text;
     text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
     if (service == MapService::Wms) {
-        text += "<ServiceExceptionReport version=\"1.3.0\" xmlns=\"http://www.opengis.net/ogc\">\n<ServiceException";
+        text +=
+            "<ServiceExceptionReport version=\"1.3.0\" "
+            "xmlns=\"http://www.opengis.net/ogc\">\n<ServiceException";
         text += xmlAttribute("code", wmsCode(field));
         text += xmlAttribute("locator", field);
         text += ">" + xmlText(problem.detail) + "</ServiceException>\n</ServiceExceptionReport>\n";
         return response;
     }
-    text += "<ExceptionReport xmlns=\"http://www.opengis.net/ows/1.1\" version=\"1.1.0\" xml:lang=\"en\">\n<Exception";
+    text +=
+        "<ExceptionReport xmlns=\"http://www.opengis.net/ows/1.1\" version=\"1.1.0\" "
+        "xml:lang=\"en\">\n<Exception";
     text += xmlAttribute("exceptionCode", owsCode(problem, field));
     text += xmlAttribute("locator", field);
     text += ">\n" + xmlElement("ExceptionText", problem.detail) + "</Exception>\n</ExceptionReport>\n";

@@ -54,24 +54,34 @@ Expected<void> run(const LonLatFlags& flags) {
 
 void addLonLat(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<LonLatFlags>();
-    auto& command = *app.add_subcommand("lonlat", "Tell longitudes and latitudes of places, or the other way round");
+    auto& command =
+        *app.add_subcommand("lonlat", "Tell longitudes and latitudes of places, or the other way round");
     flags->server.addTo(command);
     command.add_option("CLOUD", flags->cloud, "ID of the cloud. Default: the server's first one");
-    command.add_option("--point", flags->points, "A place: X,Y in file coordinates, or, with --to file, longitude and latitude in degrees; may be repeated")
+    command
+        .add_option("--point", flags->points,
+                    "A place: X,Y in file coordinates, or, with --to file, longitude and latitude in "
+                    "degrees; may be repeated")
         ->type_name("X,Y")
         ->allow_extra_args(false)
         ->check([](const std::string& text) {
-            return placeIn(text) ? std::string() : "'" + text + "' is not two numbers with a comma between them";
+            return placeIn(text) ? std::string()
+                                 : "'" + text + "' is not two numbers with a comma between them";
         })
         ->required();
-    command.add_option("--to", flags->to, "What places become: lonlat, longitude and latitude (WGS 84), or file, coordinates of the cloud")
+    command
+        .add_option(
+            "--to", flags->to,
+            "What places become: lonlat, longitude and latitude (WGS 84), or file, coordinates of the cloud")
         ->type_name("WHICH")
         ->check(CLI::IsMember({"lonlat", "file"}))
         ->capture_default_str();
     command.footer(
-        "One line a place: longitude,latitude or x,y. The server must know the cloud's coordinate reference system. Examples:\n"
-        "  scancast-client lonlat http://127.0.0.1:8080/ town --point 389499,5819799 --point 389512.5,5819799\n"
-        "  scancast-client lonlat http://127.0.0.1:8080/ town --to file --point 13.372,52.517");
+        "One line a place: longitude,latitude or x,y. The server must know the cloud's coordinate reference "
+        "system. Examples:\n"
+        "  scancast-client lonlat http://127.0.0.1:8080/ town --point 389499,5819799 --point "
+        "389512.5,5819799\n"
+        "  scancast-client lonlat http://127.0.0.1:8080/ town --to file --point 13.3715,52.5171");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }
 

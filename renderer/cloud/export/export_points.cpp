@@ -189,15 +189,16 @@ Expected<ExportFormat> exportFormatOf(const std::string& name) {
                 "format");
 }
 
-CloudPointsOptions cloudPointsOptions(const ExportOptions& options) {
-    CloudPointsOptions what{.corridor = options.corridor, .estimatedNormals = options.estimatedNormals};
+CloudPointsOptions cloudPointsOptions(const ExportOptions& options, std::stop_token stop) {
+    CloudPointsOptions what{
+        .corridor = options.corridor, .estimatedNormals = options.estimatedNormals, .stop = std::move(stop)};
     if (!options.region.isEverything()) what.region = std::make_shared<RegionTest>(options.region);
     return what;
 }
 
 Expected<ExportReport> exportCloud(std::shared_ptr<const CloudFile> file, const ExportOptions& options,
                                    const ProgressSink& progress, std::stop_token stop) {
-    const CloudPointsOptions what = cloudPointsOptions(options);
+    const CloudPointsOptions what = cloudPointsOptions(options, stop);
     const OpenPoints open = [&]() -> Expected<std::unique_ptr<PointSource>> {
         return cloudPoints(file, what);
     };

@@ -156,6 +156,7 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     if (!point) return passOn(std::move(point));
     Picked picked;
     picked.point = std::move(*point);
+    picked.surface = cloud.origin + *place;
     picked.sample = nearest->sample();
     picked.radius = radiusOf(cloud, cloud.octree.node(nearest->node), picked.sample);
     picked.depth = depth;

@@ -8,9 +8,11 @@
 #include "server/commands/access/access_commands.hpp"
 #include "server/commands/backends.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/distance/distance_command.hpp"
 #include "server/commands/doctor/doctor_command.hpp"
 #include "server/commands/export/export.hpp"
 #include "server/commands/importer_flags.hpp"
+#include "server/commands/rasters/rasters.hpp"
 #include "server/server.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -29,6 +31,8 @@ int main(int argc, char** argv) {
     scancast::addRender(app, exitCode);
     scancast::addIngest(app, exitCode);
     scancast::addExport(app, exitCode);
+    scancast::addDistance(app, exitCode);
+    scancast::addRasters(app, exitCode);
     scancast::addInfo(app, exitCode);
     scancast::addLook(app, exitCode);
     scancast::addLabel(app, exitCode);

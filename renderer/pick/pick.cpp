@@ -181,6 +181,7 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     auto point = keptPoint(own, picked.of ? own.octree : octree, *nearest);
     if (!point) return passOn(std::move(point));
     picked.point = std::move(*point);
+    picked.surface = cloud.origin + *place;
     picked.sample = nearest->sample();
     picked.radius = radiusOf(own, own.octree.node(nearest->node), picked.sample);
     picked.depth = depth;

@@ -171,33 +171,6 @@ const printMember = ({ cloud, shift, tint, hidden }) => [
 export const mostMembers = 64;
 const members = listWord(mostMembers, readMember, printMember);
 
-/** A cloud of several: its name, and what is said of it. */
-function readCloud(text) {
-  const [cloud, ...parts] = text.split(',');
-  const made = { cloud, shift: [0, 0, 0], tint: null, hidden: false };
-  for (const part of parts) {
-    const [kind, ...values] = part.split(':');
-    const shift = values.map(readNumber);
-    if (part === 'hidden') made.hidden = true;
-    else if (kind === 'tint' && /^#?[0-9a-f]{6}$/i.test(values[0])) made.tint = `#${values[0].replace('#', '')}`;
-    else if (kind === 'shift' && shift.length === 3 && shift.every((value) => Math.abs(value) <= farthest)) made.shift = shift;
-    else return undefined;
-  }
-  return shortCloud.test(cloud) ? made : undefined;
-}
-
-const printCloud = ({ cloud, shift, tint, hidden }) => [cloud, ...(shift?.some((value) => value !== 0) ? [`shift:${shift.map(number).join(':')}`] : []),
-  ...(tint ? [`tint:${tint.slice(1)}`] : []), ...(hidden ? ['hidden'] : [])].join(',');
-
-export const mostClouds = 64;
-const clouds = {
-  read(text) {
-    const values = text.split(';').map(readCloud);
-    return values.length <= mostClouds && !values.includes(undefined) ? values : undefined;
-  },
-  print: (values) => (values.length > 0 ? values.map(printCloud).join(';') : 'auto'),
-};
-
 const plain = (word, kind) => ({ word, at: [word], ...kind });
 const open = (word, kind) => ({ ...plain(word, kind), auto: true });
 /** Said only where it is not what the cloud has anyway. */

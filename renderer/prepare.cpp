@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "renderer/image/clock.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
+#include "renderer/image/clock.hpp"
 #include "renderer/mirrors.hpp"
 #include "renderer/residency/provide.hpp"
 

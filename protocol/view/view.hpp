@@ -53,8 +53,9 @@ enum class ColorSource : std::uint8_t {
     Visibility,  ///< what hidden point removal finds; docs/spec/pyramid.md section 4.5
     Cloud,       ///< each cloud of a view of several by a colour of its own (viewed_clouds.hpp)
     Flat,
+    Column,  ///< a kept column, by its name (Style::column)
 };
-/// Of all but Flat, which is #rrggbb on the wire.
+/// Of all but Flat, which is #rrggbb on the wire, and Column, which is column:NAME.
 inline constexpr std::array<std::string_view, 12> colorSourceNames{
     "auto",   "rgb",       "cir",   "intensity", "elevation",  "classification",
     "normal", "curvature", "depth", "lod",       "visibility", "cloud"};
@@ -106,16 +107,33 @@ struct ClipBox {
     bool operator==(const ClipBox&) const = default;
 };
 
+/// Of a kept column - or of `intensity`, `classification` -, the values that are drawn: inclusive, one end at least.
+struct ColumnRange {
+    std::string column;
+    std::optional<double> low, high;  ///< nullopt: as far as there is anything
+
+    /// NaN is in no range.
+    bool has(double value) const {
+        return (!low || value >= *low) && (!high || value <= *high) && value == value;
+    }
+    bool operator==(const ColumnRange&) const = default;
+};
+/// A point is drawn whose values lie in all of them.
+using ColumnRanges = std::vector<ColumnRange>;
+inline constexpr std::size_t mostColumnRanges = 4, longestColumnName = 256;
+
 struct Style {
     std::string method = "auto";
     ParameterValues parameters;
     ColorSource color = ColorSource::Auto;
     Rgb8 flatColor{255, 255, 255};               ///< for ColorSource::Flat (`color=#rrggbb`)
+    std::string column;                          ///< for ColorSource::Column (`color=column:NAME`)
     bool byIntensity = false;                    ///< brighter where intensity is (`color=rgb*intensity`)
     std::optional<double> exposure;              ///< of rgb: stops, -3 … 3; nullopt = the cloud's
     std::string colormap = "viridis";            ///< of colormapNames
     std::optional<std::array<double, 2>> range;  ///< values at the colour map's ends; nullopt = the cloud's
     std::optional<std::vector<std::uint8_t>> classes;  ///< draw these classifications only
+    ColumnRanges filter;                               ///< draw what lies in these ranges only; none: everything
     std::optional<ClipBox> clip;                       ///< draw inside this box only
     ClipShapes clips;                                  ///< and what these leave; none: everything
     std::optional<Shading> shading;                    ///< nullopt = the method's default
@@ -164,6 +182,7 @@ constexpr std::string_view name(Projection projection) {
     return projectionNames[std::size_t(projection)];
 }
 constexpr std::string_view name(ColorSource source) {
+    if (source == ColorSource::Column) return "column";
     return source == ColorSource::Flat ? "flat" : colorSourceNames[std::size_t(source)];
 }
 constexpr std::string_view name(Shading shading) {

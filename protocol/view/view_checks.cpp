@@ -169,7 +169,34 @@ Expected<void> method(std::string_view word, const std::string& name) {
     return invalid(word, "a method's name has 1 to 64 characters");
 }
 
+namespace {
+
+Expected<void> columnName(std::string_view word, std::string_view name) {
+    if (!name.empty() && name.size() <= longestColumnName) return {};
+    return invalid(word, std::string(word) + ": a column's name has 1 to " +
+                             std::to_string(longestColumnName) + " bytes");
+}
+
+}  // namespace
+
+Expected<void> columnRanges(std::string_view word, const ColumnRanges& ranges) {
+    if (ranges.size() > mostColumnRanges)
+        return invalid(
+            word, std::string(word) + ": there are more than " + std::to_string(mostColumnRanges) + " ranges");
+    for (const ColumnRange& range : ranges) {
+        if (auto ok = columnName(word, range.column); !ok) return ok;
+        const std::string what = std::string(word) + ": the range of " + quoteText(range.column);
+        if (!range.low && !range.high) return invalid(word, what + " has neither a low nor a high end");
+        for (const auto& end : {range.low, range.high})
+            if (end && !std::isfinite(*end)) return invalid(word, what + " has an end that is not finite");
+        if (range.low && range.high && *range.low > *range.high)
+            return invalid(word, what + " has its low end above its high one");
+    }
+    return {};
+}
+
 Expected<void> color(std::string_view word, const Style& style) {
+    if (style.color == ColorSource::Column) return columnName(word, style.column);
     if (const auto known = values::parse<values::Color>(colorWord(style)); !known)
         return invalid(word, known.error());
     return {};

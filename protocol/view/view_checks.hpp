@@ -24,6 +24,7 @@ Expected<void> ends(std::string_view word, const std::array<double, 2>& range);
 Expected<void> sun(std::string_view word, const std::array<double, 2>& direction);
 Expected<void> method(std::string_view word, const std::string& name);
 Expected<void> color(std::string_view word, const Style& style);
+Expected<void> columnRanges(std::string_view word, const ColumnRanges& ranges);
 Expected<void> colormap(std::string_view word, const std::string& name);
 Expected<void> parameters(const ParameterValues& parameters);
 Expected<void> inRange(std::string_view word, double value, const ViewRange& range);

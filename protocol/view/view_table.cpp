@@ -177,6 +177,7 @@ ViewValue color() {
         view.style.color = color.source;
         view.style.flatColor = color.flat;
         view.style.byIntensity = color.byIntensity;
+        view.style.column = color.column;
     };
     ViewValue made;
     made.parse = [=](View& view, auto, std::string_view text) {
@@ -242,13 +243,13 @@ const std::vector<ViewWord>& table() {
         {"param.NAME", "param", "NAME=VALUE", "A parameter of the method; may be given once for each.",
          "sizePx=5", parameters()},
         {"color", "color",
-         "auto|rgb|cir|intensity|elevation|classification|normal|curvature|depth|lod|visibility|cloud|#rrggbb|"
-         "COLOR*intensity",
+         "auto|rgb|cir|intensity|elevation|classification|normal|curvature|depth|lod|visibility|cloud|column:NAME|"
+         "#rrggbb|COLOR*intensity",
          "Where colours come from, or one colour for everything (the # may be left out); auto takes the "
          "cloud's best. rgb, elevation, classification, cloud and #rrggbb get brighter with intensity by "
          "*intensity. cir is colour infrared: near infrared as red, red as green, green as blue. visibility "
          "tells hidden points from visible ones, with method pyramid. cloud gives each cloud of several (with) "
-         "a colour of its own.",
+         "a colour of its own. column:NAME is a column that the cloud keeps.",
          "elevation", color()},
         {"exposure", "exposure", "STOPS|auto",
          "How much brighter the points' own colours are drawn, by powers of two; auto leaves it to the "
@@ -264,6 +265,13 @@ const std::vector<ViewWord>& table() {
         {"classes", "classes", "N,N,...|auto",
          "Draw these classifications only; none draws nothing, auto draws all.", "2,6",
          value([](auto& v) -> auto& { return v.style.classes; })},
+        {"filter", "filter", "NAME:LOW..HIGH;NAME:LOW..HIGH;...|auto",
+         "Draw only points whose values of a kept column, of intensity or of classification lie in the range, "
+         "its ends included; LOW or HIGH may be left out, and up to four ranges all have to hold; auto draws "
+         "everything. In a NAME, ; is written %3B and % is written %25.",
+         "return_number:1..1;gps_time:3600..",
+         value(
+             [](auto& v) -> auto& { return v.style.filter; }, checks::columnRanges)},
         {"clip", "clip", "X0,Y0,Z0,X1,Y1,Z1|auto",
          "Draw what lies inside this box only; auto draws everything.", "0,0,0,10,10,5",
          value(

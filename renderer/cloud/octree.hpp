@@ -89,6 +89,7 @@ class Octree {
     /// whole clouds; drawing goes through provide() (renderer/residency). Errors: the store's.
     Expected<SampleRun> run(std::uint32_t index) const { return store_->load(index); }
     SampleStore& store() const { return *store_; }
+    const std::shared_ptr<SampleStore>& sharedStore() const { return store_; }
     /// Tells this octree (and its copies, which are alike) from all others that there were and will be: who
     /// keeps samples knows them by source and node. 0: it has no nodes.
     std::uint64_t source() const { return source_; }

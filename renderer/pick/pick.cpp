@@ -12,6 +12,7 @@
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/exact_places.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/residency/pictured_octree.hpp"
 #include "renderer/select/viewpoint.hpp"
 #include "renderer/style.hpp"
 #include "renderer/together/together.hpp"
@@ -107,10 +108,10 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
 }
 
 /// All that is known of it: from its file, or, in memory, what its sample says.
-Expected<KeptPoint> keptPoint(const Cloud& cloud, const Nearest& found) {
-    const Node& node = cloud.octree.node(found.node);
+Expected<KeptPoint> keptPoint(const Cloud& cloud, const Octree& octree, const Nearest& found) {
+    const Node& node = octree.node(found.node);
     KeptPoint point;
-    if (const auto file = cloud.octree.store().cloudFile()) {
+    if (const auto file = octree.store().cloudFile()) {
         auto kept = file->point(found.node, found.run.samples, found.index);
         if (!kept) return kept;
         point = std::move(*kept);
@@ -129,15 +130,24 @@ Expected<KeptPoint> keptPoint(const Cloud& cloud, const Nearest& found) {
     return point;
 }
 
-/// Of several clouds, the one that has it, where `found` is then.
-Expected<Picked::Of> ownerOf(const Together& together, Nearest& found, const std::stop_token& stop) {
-    const Together::Place& place = together.places[found.node];
-    const TogetherMember& member = together.members[place.member];
-    auto run = member.cloud->octree.store().load(place.node, stop);
+/// The octree that has the point: the one that is drawn, or, of several clouds, that of the cloud whose it is (`of`), where `found` is
+/// then, as it is by itself.
+Expected<std::shared_ptr<const Octree>> ownerOf(const Cloud& cloud, const Octree& drawn, const Style& filtered,
+                                                Nearest& found, std::optional<Picked::Of>& of,
+                                                const std::stop_token& stop) {
+    if (!cloud.together) return std::shared_ptr<const Octree>(std::shared_ptr<const Octree>(), &drawn);
+    const Together::Place& place = cloud.together->places[found.node];
+    const TogetherMember& member = cloud.together->members[place.member];
+    auto pictured = picturedOctree(*member.cloud, filtered);
+    if (!pictured) return passOn(std::move(pictured));
+    std::shared_ptr<const Octree> octree = std::move(*pictured);
+    if (!octree) octree = {member.cloud, &member.cloud->octree};
+    auto run = octree->store().load(place.node, stop);
     if (!run) return passOn(std::move(run));
     found.node = place.node;
     found.run = std::move(*run);
-    return Picked::Of{member.cloud, member.name, member.shift};
+    of = Picked::Of{member.cloud, member.name, member.shift};
+    return octree;
 }
 
 double radiusOf(const Cloud& cloud, const Node& node, const Sample& sample) {
@@ -162,17 +172,19 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     const auto place = placeUnder(cloud, view, pixel, depth);
     if (!place) return passOn(place);
     if (view.style.mirrors && isGlass(cloud, *place, depth)) return std::nullopt;
-    auto nearest = nearestLeafSample(cloud.octree, *place, sampleFilter(cloud, view.style), stop);
+    Style filtered = view.style;
+    filtered.color = ColorSource::Auto;  // else samples would have a column's values for intensities
+    const auto pictured = picturedTogether(cloud, filtered);
+    if (!pictured) return passOn(pictured);
+    const Octree& octree = *pictured ? **pictured : cloud.octree;
+    auto nearest = nearestLeafSample(octree, *place, sampleFilter(cloud, view.style), stop);
     if (!nearest) return passOn(nearest);
     if (nearest->node == noNode) return std::nullopt;
     Picked picked;
-    if (cloud.together) {
-        auto owner = ownerOf(*cloud.together, *nearest, stop);
-        if (!owner) return passOn(std::move(owner));
-        picked.of = std::move(*owner);
-    }
+    auto owner = ownerOf(cloud, octree, filtered, *nearest, picked.of, stop);
+    if (!owner) return passOn(std::move(owner));
     const Cloud& own = picked.of ? *picked.of->cloud : cloud;
-    auto point = keptPoint(own, *nearest);
+    auto point = keptPoint(own, **owner, *nearest);
     if (!point) return passOn(std::move(point));
     picked.point = std::move(*point);
     picked.sample = nearest->sample();

@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <utility>
 
 #include "renderer/cloud/import/crs_meaning.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/cloud/import/crs_units.hpp"
-#include "renderer/residency/file_of.hpp"
 #include "renderer/residency/node_share.hpp"
+#include "renderer/residency/pictured_octree.hpp"
 #include "renderer/together/together_facts.hpp"
 #include "renderer/together/together_store.hpp"
 
@@ -78,17 +80,32 @@ std::optional<Paint> paintOf(const TogetherMember& member, std::size_t place, bo
     return std::nullopt;
 }
 
-Expected<std::shared_ptr<SampleStore>> storeOf(const TogetherMember& member, const std::optional<Paint>& paint,
-                                               const std::shared_ptr<BlockCache>& cache, const Together* like) {
-    // Painted blocks that are there already, and what devices know of them, stay.
-    if (like != nullptr && paint)
-        for (std::size_t i = 0; i < like->members.size(); ++i)
-            if (like->stores[i] && like->members[i].cloud == member.cloud && like->paints[i] == paint)
-                return like->stores[i];
-    if (!paint) return std::shared_ptr<SampleStore>(member.cloud, &member.cloud->octree.store());
-    auto file = fileOf(member.cloud);
-    if (!file) return passOn(std::move(file));
-    return cache->add(paintedFile(std::move(*file), *paint));
+using MakeStore = std::function<std::shared_ptr<SampleStore>(std::shared_ptr<const CloudFile>)>;
+
+/// Where the samples come from that are drawn of a cloud, or of an octree that a view made of it.
+Expected<std::shared_ptr<SampleStore>> storeOf(const Cloud& cloud, const Octree& drawn,
+                                               const std::optional<Paint>& paint, const MakeStore& make) {
+    if (!paint) return drawn.sharedStore();
+    auto file = drawn.store().cloudFile();
+    if (!file) file = fileOfSamples(cloud);
+    if (auto made = make(paintedFile(std::move(file), *paint))) return made;
+    return fail(ErrorCode::Cancelled, "The clouds are not there any more.");
+}
+
+/// Painted blocks that are there already, and what devices know of them, stay.
+std::shared_ptr<SampleStore> keptStore(const Together* before, const TogetherMember& member,
+                                       const std::optional<Paint>& paint) {
+    for (std::size_t i = 0; before != nullptr && paint && i < before->members.size(); ++i)
+        if (before->stores[i] && before->members[i].cloud == member.cloud && before->paints[i] == paint)
+            return before->stores[i];
+    return nullptr;
+}
+
+MakeStore storesIn(const std::shared_ptr<BlockCache>& cache) {
+    return [cache = std::weak_ptr(cache)](std::shared_ptr<const CloudFile> file) -> std::shared_ptr<SampleStore> {
+        const auto there = cache.lock();
+        return there ? there->add(std::move(file)) : nullptr;
+    };
 }
 
 /// Level by level, and in each member by member: breadth first, as all octrees are.
@@ -192,7 +209,9 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
         together->paints.push_back(paintOf(all[i], i, byCloud, anyColors));
         auto& store = together->stores.emplace_back();
         if (!isShown(all[i])) continue;
-        auto made = storeOf(all[i], together->paints.back(), cache, before);
+        store = keptStore(before, all[i], together->paints.back());
+        if (store) continue;
+        auto made = storeOf(*all[i].cloud, all[i].cloud->octree, together->paints.back(), storesIn(cache));
         if (!made) return passOn(std::move(made));
         store = std::move(*made);
     }
@@ -205,8 +224,46 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
     Gathering(*together, cloud->origin, !cloud->oriented).run(gathered, together->places);
     cloud->together = together;
     const bool same = before != nullptr && hasSameSamples(*together, *before);
-    cloud->octree = Octree(std::move(gathered), togetherStore(together), same ? like->octree.source() : 0);
+    auto store = togetherStore(together);
+    store->derived().setStoreMaker(storesIn(cache));
+    cloud->octree = Octree(std::move(gathered), std::move(store), same ? like->octree.source() : 0);
     return cloud;
+}
+
+Expected<std::shared_ptr<const Octree>> picturedTogether(const Cloud& cloud, const Style& style) {
+    if (!cloud.together) return picturedOctree(cloud, style);
+    const bool byColumn = style.color == ColorSource::Column;
+    if ((style.filter.empty() && !byColumn) || cloud.octree.nodes().empty()) return nullptr;
+    Style each = style;
+    if (byColumn && !each.range) each.range = naturalEnds(cloud, style.column);
+    std::vector<std::shared_ptr<const Octree>> octrees;
+    std::string words = "of";
+    for (const TogetherMember& member : cloud.together->members) {
+        auto& octree = octrees.emplace_back();
+        if (!isShown(member)) continue;
+        auto made = picturedOctree(*member.cloud, each);
+        if (!made) {
+            Error error = made.error();
+            error.message.insert(0, "\"" + member.name + "\": ");
+            return tl::unexpected(std::move(error));
+        }
+        octree = *made ? std::move(*made) : std::shared_ptr<const Octree>(member.cloud, &member.cloud->octree);
+        words += fmt::format(" {}", octree->source());
+    }
+    DerivedOctrees& derived = cloud.octree.store().derived();
+    if (auto known = derived.find(words)) return known;
+    auto together = std::make_shared<Together>(*cloud.together);
+    const MakeStore make = [&](std::shared_ptr<const CloudFile> file) { return derived.storeFor(std::move(file)); };
+    for (std::size_t i = 0; i < octrees.size(); ++i) {
+        if (!octrees[i]) continue;
+        // Where a column colours, samples' own colours mean nothing.
+        const auto paint = byColumn ? std::nullopt : together->paints[i];
+        auto made = storeOf(*together->members[i].cloud, *octrees[i], paint, make);
+        if (!made) return passOn(std::move(made));
+        together->stores[i] = std::move(*made);
+    }
+    std::vector<Node> nodes(cloud.octree.nodes().begin(), cloud.octree.nodes().end());
+    return derived.keep(words, std::make_shared<const Octree>(std::move(nodes), togetherStore(std::move(together))));
 }
 
 }  // namespace scancast

@@ -8,6 +8,8 @@
 #include <glm/common.hpp>
 #include <utility>
 
+#include "renderer/cloud/columns/column_choice.hpp"
+
 namespace scancast {
 namespace {
 
@@ -99,12 +101,25 @@ std::optional<Look> lookTogether(const Together& together, const Members& shown,
     return look;
 }
 
-/// What was read into memory has nothing beside its samples once they are painted (residency/file_of.hpp).
-bool keepsBeside(const Together& together) {
-    for (std::size_t i = 0; i < together.members.size(); ++i)
-        if (together.stores[i] && together.paints[i] && together.members[i].cloud->octree.store().whole())
+/// Those that all have, over the values of all.
+void addColumns(const Members& shown, CloudFacts& facts) {
+    facts.columns.clear();
+    for (const std::size_t c : choosableColumns(*shown.front()->cloud)) {
+        KeptColumn column = shown.front()->cloud->columns[c];
+        column.histogram.reset();
+        const bool all = std::ranges::all_of(shown, [&](const TogetherMember* member) {
+            for (const std::size_t other : choosableColumns(*member->cloud)) {
+                const KeptColumn& theirs = member->cloud->columns[other];
+                if (theirs.column.name != column.column.name) continue;
+                column.range = aroundRange(column.range, theirs.range);
+                if (!theirs.usual) column.usual.reset();
+                if (column.usual) column.usual = aroundRange(*column.usual, *theirs.usual);
+                return true;
+            }
             return false;
-    return true;
+        });
+        if (all) facts.columns.push_back(std::move(column));
+    }
 }
 
 void addAttributes(const Together& together, const Members& shown, CloudFacts& facts) {
@@ -119,9 +134,8 @@ void addAttributes(const Together& together, const Members& shown, CloudFacts& f
     attributes.normal = all([](const auto* m) { return m->cloud->attributes.normal; });
     facts.constant = {};
     facts.companions.clear();
-    const bool beside = keepsBeside(together);
-    attributes.nearInfrared = beside && all([](const auto* m) { return hasNearInfrared(*m->cloud); });
-    if (beside && all([](const auto* m) { return hasCurvature(*m->cloud); }))
+    attributes.nearInfrared = all([](const auto* m) { return hasNearInfrared(*m->cloud); });
+    if (all([](const auto* m) { return hasCurvature(*m->cloud); }))
         facts.companions.push_back(curvaturePlane());
     if (attributes.nearInfrared) facts.companions.push_back(nearInfraredPlane());
     facts.surfels = all([](const auto* m) { return m->cloud->surfels; });
@@ -199,6 +213,7 @@ CloudFacts factsTogether(const Together& together) {
     if (!shown.empty()) {
         addAttributes(together, shown, facts);
         addRanges(shown, facts);
+        addColumns(shown, facts);
     } else {
         facts.bounds = boundsOf(own);
         facts.points = 0;

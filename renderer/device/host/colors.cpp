@@ -52,6 +52,7 @@ SplatColoring splatColoring(const ColorRule& rule) {
             return SplatColoring::Depth;
         case ColorSource::Lod:
         case ColorSource::Visibility:  // of its own pass
+        case ColorSource::Column:      // is intensity by now
         case ColorSource::Flat:
             return SplatColoring::PerRun;
     }

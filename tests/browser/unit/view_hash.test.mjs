@@ -61,7 +61,7 @@ describe('the hash', () => {
         { box: { center: [0, 0, 0], size: [1, 2, 3], turn: [30, -10, 5] }, keep: 'inside' },
         { plane: { point: [0, 0, 1], normal: [0, 0, -2] } },
       ],
-      with: [{ cloud: '.', shift: [0, 0, 0], tint: '#ff8800', hidden: false }, { cloud: 'town-2', shift: [0, -1, 0.5], tint: null, hidden: true }],
+      with: [{ cloud: '.', tint: '#ff8800' }, { cloud: 'town-2', shift: [0, -1, 0.5], hidden: true }],
       light: { ambient: 0.3, headlight: 0.7, sunlight: 0.8, shine: 0.2, shadow: 0.9, occlusion: 0.6, sun: [135, 40] },
       outliers: 'show', budget: 5e6, samples: 4, quality: 50, subsampling: '4:4:4',
     });

@@ -12,6 +12,7 @@
 #include "server/commands/doctor/doctor_command.hpp"
 #include "server/commands/export/export.hpp"
 #include "server/commands/importer_flags.hpp"
+#include "server/commands/rasters/rasters.hpp"
 #include "server/server.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
     scancast::addIngest(app, exitCode);
     scancast::addExport(app, exitCode);
     scancast::addDistance(app, exitCode);
+    scancast::addRasters(app, exitCode);
     scancast::addInfo(app, exitCode);
     scancast::addLook(app, exitCode);
     scancast::addLabel(app, exitCode);

@@ -112,24 +112,23 @@ std::string StreamedAnswer::header(std::string_view name) const {
     return joined;
 }
 
-Expected<StreamedAnswer> httpPostStreamed(const ServerUrl& url, const std::string& target, std::string json,
-                                          std::string_view accept, const Credentials& credentials,
-                                          const Timeouts& timeouts, const TakeBytes& take) {
-    http::request<http::string_body> request(http::verb::post, target, 11);
+namespace {
+
+Expected<StreamedAnswer> streamed(const ServerUrl& url, http::request<http::string_body> request,
+                                  std::string_view accept, const Credentials& credentials,
+                                  const Timeouts& timeouts, const TakeBytes& take) {
     request.set(http::field::host, url.authority());
     request.set(http::field::user_agent, "scancast-client");
     request.set(http::field::connection, "close");
-    request.set(http::field::content_type, "application/json");
     if (!accept.empty()) request.set(http::field::accept, beast::string_view(accept.data(), accept.size()));
     if (!credentials.token.empty()) request.set(http::field::authorization, "Bearer " + credentials.token);
-    request.body() = std::move(json);
     request.prepare_payload();
     boost::asio::io_context io;
     auto open = connectUntil(io, url, credentials, Clock::now() + timeouts.connect);
     if (!open) return passOn(open);
-    StreamedRequest streamed(io, *open, url, timeouts);
-    if (auto ok = streamed.send(request); !ok) return passOn(ok);
-    if (streamed.status() >= 400) {
+    StreamedRequest asked(io, *open, url, timeouts);
+    if (auto ok = asked.send(request); !ok) return passOn(ok);
+    if (asked.status() >= 400) {
         std::string text;
         const auto keep = [&](std::span<const std::byte> bytes) -> Expected<void> {
             if (text.size() + bytes.size() > longestRefusal)
@@ -138,12 +137,29 @@ Expected<StreamedAnswer> httpPostStreamed(const ServerUrl& url, const std::strin
             text.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
             return {};
         };
-        if (auto ok = streamed.read(keep); !ok) return passOn(ok);
-        const StreamedAnswer answer = streamed.answer();
+        if (auto ok = asked.read(keep); !ok) return passOn(ok);
+        const StreamedAnswer answer = asked.answer();
         return tl::unexpected(refusal(url, answer.status, answer.header("Content-Type"), text));
     }
-    if (auto ok = streamed.read(take); !ok) return passOn(ok);
-    return streamed.answer();
+    if (auto ok = asked.read(take); !ok) return passOn(ok);
+    return asked.answer();
+}
+
+}  // namespace
+
+Expected<StreamedAnswer> httpPostStreamed(const ServerUrl& url, const std::string& target, std::string json,
+                                          std::string_view accept, const Credentials& credentials,
+                                          const Timeouts& timeouts, const TakeBytes& take) {
+    http::request<http::string_body> request(http::verb::post, target, 11);
+    request.set(http::field::content_type, "application/json");
+    request.body() = std::move(json);
+    return streamed(url, std::move(request), accept, credentials, timeouts, take);
+}
+
+Expected<StreamedAnswer> httpGetStreamed(const ServerUrl& url, const std::string& target,
+                                         std::string_view accept, const Credentials& credentials,
+                                         const Timeouts& timeouts, const TakeBytes& take) {
+    return streamed(url, {http::verb::get, target, 11}, accept, credentials, timeouts, take);
 }
 
 }  // namespace scancast::client

@@ -35,5 +35,9 @@ using TakeBytes = std::function<Expected<void>(std::span<const std::byte>)>;
 Expected<StreamedAnswer> httpPostStreamed(const ServerUrl& url, const std::string& target, std::string json,
                                           std::string_view accept, const Credentials& credentials,
                                           const Timeouts& timeouts, const TakeBytes& take);
+/// The same of a GET.
+Expected<StreamedAnswer> httpGetStreamed(const ServerUrl& url, const std::string& target,
+                                         std::string_view accept, const Credentials& credentials,
+                                         const Timeouts& timeouts, const TakeBytes& take);
 
 }  // namespace scancast::client

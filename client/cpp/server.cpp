@@ -19,6 +19,9 @@ constexpr std::string_view cloudsPath = "/api/v1/clouds";
 /// Of lists and facts: thousands of clouds.
 constexpr std::uint64_t longestJson = std::uint64_t{16} << 20u;
 
+/// A packed raster of a billion cells.
+constexpr std::chrono::milliseconds untilPacked = std::chrono::hours{1};
+
 /// Of a picture: what its pixels may take in either format, noise included, and the file's head; never more than 1 GiB, which
 /// holds also where the request names no size.
 std::uint64_t longestPicture(const WordValues& words) {
@@ -194,6 +197,33 @@ Expected<nlohmann::json> Server::pick(const std::string& cloud, const nlohmann::
 
 Expected<nlohmann::json> Server::measure(const std::string& cloud, const MeasureRequest& request) const {
     return postJson(*this, cloudPath(cloud) + "/measure", toJson(request));
+}
+
+Expected<RasterFacts> Server::raster(const std::string& cloud, const RasterRequest& request,
+                                     const TakeBytes& take) const {
+    const bool isElevation = request.kind == RasterKind::Elevation;
+    std::string target = cloudPath(cloud) + (isElevation ? "/dem.tif" : "/ortho.tif");
+    if (const std::string query = printQuery(wordsOf(request)); !query.empty()) target += "?" + query;
+    Timeouts timeouts = timeouts_;
+    if (request.packing != RasterPacking::None) timeouts.answer = std::max(timeouts.answer, untilPacked);
+    const auto answer = httpGetStreamed(url_, target, "image/tiff", credentials_, timeouts, take);
+    if (!answer) return passOn(answer);
+    const auto malformed = [&](const std::string& why) {
+        return fail(ErrorCode::Malformed, url_.authority() + " does not say where its raster lies (" + why +
+                                              "); is it a Scancast server?");
+    };
+    const auto value = parseJson(answer->header("Scancast-Raster"));
+    if (!value) return malformed(value.error().message);
+    RasterFacts facts;
+    facts.bytes = answer->bytes;
+    FieldReader fields(*value, {}, ErrorCode::Malformed);
+    for (const auto& [name, to] :
+         {std::pair("cell", &facts.cell), std::pair("left", &facts.left), std::pair("top", &facts.top)})
+        if (fields.require(name) != nullptr) fields.number(name, *to);
+    for (const auto& [name, to] : {std::pair("columns", &facts.columns), std::pair("rows", &facts.rows)})
+        if (fields.require(name) != nullptr) fields.integer(name, *to, 1, std::uint64_t{1} << 32u);
+    if (auto ok = fields.finishLenient(); !ok) return malformed(ok.error().message);
+    return facts;
 }
 
 }  // namespace scancast::client

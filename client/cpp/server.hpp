@@ -17,6 +17,7 @@
 #include "protocol/catalog.hpp"
 #include "protocol/measure/measure_request.hpp"
 #include "protocol/points/points_request.hpp"
+#include "protocol/raster/raster_request.hpp"
 #include "protocol/view/query.hpp"
 
 namespace scancast::client {
@@ -47,6 +48,13 @@ struct ProfileFacts {
     double left = 0, right = 0, bottom = 0, top = 0;
     std::array<double, 2> heights{};  ///< of its points, lowest and highest
     std::uint64_t points = 0;
+};
+
+/// Where the cells of a raster lie (PROTOCOL.md, "Rasters"). File units.
+struct RasterFacts {
+    std::uint64_t bytes = 0;  ///< of the file
+    std::uint64_t columns = 0, rows = 0;
+    double cell = 0, left = 0, top = 0;
 };
 
 class Server {
@@ -84,6 +92,10 @@ class Server {
     /// Its picture, a PNG.
     Expected<ProfileFacts> profilePicture(const std::string& cloud, const ProfileRequest& request,
                                           const TakeBytes& take) const;
+
+    /// A raster in plan, elevations or an orthophoto, as the bytes of a GeoTIFF. Where it is packed the answer begins when all of it is
+    /// made, and for that this waits up to an hour; with RasterPacking::None it comes while it is made.
+    Expected<RasterFacts> raster(const std::string& cloud, const RasterRequest& request, const TakeBytes& take) const;
 
   private:
     ServerUrl url_;

@@ -54,8 +54,9 @@ std::string complaintAbout(std::string_view group, const std::string& member) {
 
 }  // namespace
 
-void ViewFlags::addTo(CLI::App& app) {
+void ViewFlags::addTo(CLI::App& app, const std::function<bool(const ViewWord&)>& wants) {
     for (const auto& word : viewWords()) {
+        if (wants && !wants(word)) continue;
         const auto flag = word.flag();
         CLI::Option* option = nullptr;
         if (word.group().empty()) {

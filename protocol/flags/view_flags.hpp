@@ -5,6 +5,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -14,6 +15,8 @@
 
 namespace scancast {
 
+struct ViewWord;
+
 class ViewFlags {
   public:
     ViewFlags() = default;
@@ -22,7 +25,9 @@ class ViewFlags {
 
     /// Registers a flag for every word, with its meaning and an example in the help, in a group of its own. A value that its
     /// word does not take ends the parsing (CLI::ValidationError), before anything is done.
-    void addTo(CLI::App& app);
+    void addTo(CLI::App& app) { addTo(app, {}); }
+    /// The same of words that `wants` wants; empty = all.
+    void addTo(CLI::App& app, const std::function<bool(const ViewWord&)>& wants);
     /// Those that were given, as words; applyWords() checks them. InvalidArgument for a --param, or another
     /// group's flag, that is not NAME=VALUE.
     Expected<WordValues> words() const;

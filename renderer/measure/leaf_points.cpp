@@ -1,5 +1,7 @@
 #include "renderer/measure/leaf_points.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <glm/common.hpp>
 #include <vector>
@@ -57,18 +59,29 @@ class LeafReader {
     const CloudFile* file() const { return file_.get(); }
 
     Expected<void> take(std::uint32_t leaf, std::span<const Sample> samples) {
+        if (auto ok = find(leaf, samples, places_); !ok) return ok;
+        use(places_);
+        return {};
+    }
+    void use(std::span<const glm::dvec3> places) const {
+        if (!places.empty()) use_(places);
+    }
+
+    /// The places of those that count. From any thread.
+    Expected<void> find(std::uint32_t leaf, std::span<const Sample> samples,
+                        std::vector<glm::dvec3>& places) const {
         const Node& node = cloud_.octree.node(leaf);
-        places_.resize(samples.size());
-        if (auto ok = exact_.of(leaf, node, samples, places_); !ok) return ok;
+        places.resize(samples.size());
+        if (auto ok = exact_.of(leaf, node, samples, places); !ok) return ok;
         std::size_t kept = 0;
         for (std::size_t i = 0; i < samples.size(); ++i) {
             const Sample& sample = samples[i];
-            if (!isWithin(places_[i], box_)) continue;
+            if (!isWithin(places[i], box_)) continue;
             if (!filter_.outliers && cloud_.surfels && sample.logRadius == outlierRadius) continue;
             if (!isDrawn(filter_, position(node, sample), sample)) continue;
-            places_[kept++] = places_[i];
+            places[kept++] = places[i];
         }
-        if (kept > 0) use_(std::span(places_).first(kept));
+        places.resize(kept);
         return {};
     }
 
@@ -86,13 +99,34 @@ tl::unexpected<Error> abandoned() {
     return fail(ErrorCode::Cancelled, "The measurement was abandoned.");
 }
 
+/// Of a file on this machine: blocks are read and decoded side by side, and used one after the other.
+Expected<void> takeSideBySide(LeafReader& reader, std::span<const std::uint32_t> leaves,
+                              const std::stop_token& stop, std::size_t atOnce) {
+    std::vector<std::vector<glm::dvec3>> places(atOnce);
+    std::vector<Expected<void>> found(atOnce);
+    for (std::size_t first = 0; first < leaves.size(); first += atOnce) {
+        if (stop.stop_requested()) return abandoned();
+        const auto some = leaves.subspan(first, std::min(atOnce, leaves.size() - first));
+        tbb::parallel_for(std::size_t(0), some.size(), [&](std::size_t i) {
+            const auto samples = reader.file()->samples(some[i]);
+            found[i] = samples ? reader.find(some[i], *samples, places[i]) : passOn(samples);
+        });
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            if (!found[i]) return found[i];
+            reader.use(places[i]);
+        }
+    }
+    return {};
+}
+
 }  // namespace
 
 Expected<void> forLeafPoints(const Cloud& cloud, const SampleFilter& filter, const MeasuredBox& box,
-                             const std::stop_token& stop, const UsePoints& use) {
+                             const std::stop_token& stop, const UsePoints& use, int atOnce) {
     LeafReader reader(cloud, filter, box, use);
     const std::vector<std::uint32_t> leaves = leavesNear(cloud, box);
     if (const CloudFile* file = reader.file(); file != nullptr && !file->isRemote()) {
+        if (atOnce > 1) return takeSideBySide(reader, leaves, stop, std::size_t(atOnce));
         for (const std::uint32_t leaf : leaves) {
             if (stop.stop_requested()) return abandoned();
             const auto samples = file->samples(leaf);

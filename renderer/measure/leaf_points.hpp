@@ -25,9 +25,10 @@ struct MeasuredBox {
 using UsePoints = std::function<void(std::span<const glm::dvec3> places)>;
 
 /// Calls `use` for every leaf that touches the box, in their order. What the filter keeps out is no point, nor are outliers unless it
-/// shows them. Errors: the blocks', ExactPlaces'; Cancelled.
+/// shows them. With `atOnce` above 1, so many leaves are decoded at the same time, in the caller's task arena; `use` is called on this
+/// thread, and in the same order, all the same. Errors: the blocks', ExactPlaces'; Cancelled.
 Expected<void> forLeafPoints(const Cloud& cloud, const SampleFilter& filter, const MeasuredBox& box,
-                             const std::stop_token& stop, const UsePoints& use);
+                             const std::stop_token& stop, const UsePoints& use, int atOnce = 1);
 
 /// Points of the leaves that touch the box: what forLeafPoints() goes over. Of clouds shown as they are, an estimate.
 std::uint64_t pointsNear(const Cloud& cloud, const MeasuredBox& box);

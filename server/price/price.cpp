@@ -28,6 +28,7 @@ std::string encoderOf(PictureFormat format) {
         case PictureFormat::Png:
             return "png";
         case PictureFormat::Depth:
+        case PictureFormat::Pixels:  // copied, too
             return "depth";
         case PictureFormat::Jpeg:
             break;

@@ -15,6 +15,7 @@ PerPixel perPixel(const View& view, PictureFormat format) {
             return view.style.background.kind == Background::Kind::Transparent ? PerPixel{4, 2}
                                                                                : PerPixel{3, 1.5};
         case PictureFormat::Depth:
+        case PictureFormat::Pixels:
             return {4, 4};
         case PictureFormat::Jpeg:
             break;
@@ -26,8 +27,9 @@ PerPixel perPixel(const View& view, PictureFormat format) {
 
 std::uint64_t bytesToDraw(const View& view, PictureFormat format) {
     const bool isDepth = format == PictureFormat::Depth;
-    // What libraries encode into is copied once; depth goes out as it is.
-    const double encoded = perPixel(view, format).encodedAtMost * (isDepth ? 1 : 2);
+    const bool isPlain = isDepth || format == PictureFormat::Pixels;
+    // What libraries encode into is copied once; depth and pixels go out as they are.
+    const double encoded = perPixel(view, format).encodedAtMost * (isPlain ? 1 : 2);
     return std::uint64_t(double(view.width) * view.height * (double(rgba + (isDepth ? depth : 0)) + encoded));
 }
 

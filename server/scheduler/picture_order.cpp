@@ -19,6 +19,7 @@ Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureForma
         std::memcpy(bytes.data(), frame.depth.data(), bytes.size());
         return bytes;
     }
+    if (format == PictureFormat::Pixels) return Bytes(frame.rgba.begin(), frame.rgba.end());
     return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling);
 }
 

@@ -21,8 +21,8 @@ struct PlannedView;
 struct PreparedView;
 
 /// Depth is the frame's depth as it is: float32, little-endian, row by row from the top, +infinity =
-/// background.
-enum class PictureFormat : std::uint8_t { Jpeg, Png, Depth };
+/// background. Pixels are the frame's: red, green, blue, straight alpha, row by row from the top.
+enum class PictureFormat : std::uint8_t { Jpeg, Png, Depth, Pixels };
 
 struct PictureOrder {
     std::shared_ptr<const Cloud> cloud;
@@ -47,6 +47,8 @@ struct PictureOrder {
     /// What the view means for the cloud; of a view that differs (in its quality, mostly), what still holds
     /// is kept. Empty: not known yet. The scheduler keeps what the painter found out.
     std::shared_ptr<const PlannedView> planned{};
+    /// Makes what is encoded of the frame that was drawn, beside the render thread: a map (renderer/map). Pure. Empty: the frame itself.
+    std::function<Expected<Frame>(const Frame&, const std::stop_token&)> remade{};
 };
 
 struct EncodedPicture {

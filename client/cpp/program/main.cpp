@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
         "  scancast-client view http://127.0.0.1:8080/\n"
         "  scancast-client pick http://127.0.0.1:8080/ town --x 640 --y 360\n"
         "  scancast-client measure http://127.0.0.1:8080/ distance town --point 0,0,0 --point 3,4,0\n"
+        "  scancast-client dem http://127.0.0.1:8080/ --cell 0.5 -o town-dem.tif\n"
         "Each subcommand has a --help of its own.\n" +
         std::string(scancast::exitCodesText));
     app.require_subcommand(1);
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
     scancast::client::addBench(app, exitCode);
     scancast::client::addPick(app, exitCode);
     scancast::client::addMeasure(app, exitCode);
+    scancast::client::addRasters(app, exitCode);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -21,8 +21,10 @@
 #include "server/net/api/picker.hpp"
 #include "server/net/api/router.hpp"
 #include "server/net/api/shared_pictures.hpp"
+#include "server/net/maps/map_answers.hpp"
 #include "server/net/origin_check.hpp"
 #include "server/net/points/points_answers.hpp"
+#include "server/net/rasters/raster_answers.hpp"
 #include "server/price/admission.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/stream/session_register.hpp"
@@ -50,6 +52,7 @@ struct ApiOptions {
     std::string strictTransport{};        ///< of answers that go through TLS; empty = none
     std::function<RanksStats()> ranks{};  ///< for /metrics; may be empty
     PointsOptions points{};
+    RasterOptions rasters{};  ///< but for what guests may, and for pictures' pixels
 };
 
 class Api {
@@ -89,6 +92,8 @@ class Api {
         photos_.stop();
         points_.stop();
         measurer_.stop();
+        rasters_.stop();
+        maps_.stop();
     }
 
   private:
@@ -114,6 +119,8 @@ class Api {
     PhotoAnswers photos_;
     PointsAnswers points_;
     Measurer measurer_;
+    RasterAnswers rasters_;
+    MapAnswers maps_;
 };
 
 }  // namespace scancast

@@ -81,7 +81,10 @@ std::string pictureTag(const Cloud& cloud, const View& view, PictureFormat forma
     all += '\0';
     all += printJson(toJson(view));
     all += '\0';
-    all += format == PictureFormat::Png ? "png" : format == PictureFormat::Jpeg ? "jpeg" : "depth";
+    all += format == PictureFormat::Png      ? "png"
+           : format == PictureFormat::Jpeg   ? "jpeg"
+           : format == PictureFormat::Pixels ? "pixels"
+                                             : "depth";
     all += '\0';
     all += device.identity;
     all += '\0';

@@ -75,6 +75,7 @@ std::string_view mediaType(PictureFormat format) {
         case PictureFormat::Png:
             return "image/png";
         case PictureFormat::Depth:
+        case PictureFormat::Pixels:
             break;
     }
     return "application/octet-stream";

@@ -1,0 +1,31 @@
+// What a request for a raster means for one cloud, checked before anything is made: its grid, which points count, how it is seen.
+// Immutable. Pure functions; any thread. Pipeline: request + cloud → **plan** → elevation or orthophoto → TIFF.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "renderer/raster/elevation.hpp"
+#include "renderer/raster/ortho_view.hpp"
+#include "renderer/raster/tiff_bytes.hpp"
+
+namespace scancast {
+
+struct PlannedRaster {
+    RasterLayout layout{};
+    ElevationOptions elevation{};
+    SampleFilter filter{};              ///< of elevation
+    std::optional<OrthoViews> ortho{};  ///< of an orthophoto
+    /// Everything that the file depends on beside the cloud (and, of an orthophoto, the device), as text.
+    std::string identity{};
+};
+
+/// Errors: rasterGrid()'s; those of the view's words and of plan().
+Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& request,
+                                   const RasterLimits& limits = {});
+
+/// Its cells of a window; of elevation rasters. As elevationOf().
+Expected<std::vector<std::byte>> elevationCells(const Cloud& cloud, const PlannedRaster& raster,
+                                                const CellWindow& block, const std::stop_token& stop = {});
+
+}  // namespace scancast

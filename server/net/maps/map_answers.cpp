@@ -78,7 +78,8 @@ MapService serviceOf(Route route) {
 
 /// Who asked, for what cloud. Shared by all who work for it.
 struct MapAnswers::Asked {
-    std::shared_ptr<const Cloud> cloud;
+    std::shared_ptr<const Cloud> cloud;  ///< what is drawn: a cloud, or several together
+    std::shared_ptr<const VisibleClouds> clouds;
     bool live = false;
     MapService service = MapService::Plain;
     HttpRequest request;
@@ -162,6 +163,7 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
     auto cloud = clouds.cloud(routed.id);
     if (!cloud) return asked->refuse(std::move(cloud.error()));
     asked->cloud = std::move(*cloud);
+    asked->clouds = std::make_shared<const VisibleClouds>(clouds);
     asked->live = clouds.isLive(routed.id);
     switch (routed.route) {
         case Route::Wms:
@@ -222,7 +224,25 @@ void MapAnswers::post(const Shared& asked, std::function<void()> work) const {
     if (!posted) asked->refuse(problemOf(503, "Too many maps are waiting; ask again in a moment."));
 }
 
-void MapAnswers::map(const Shared& asked, MapRequest map) const {
+Expected<MapAnswers::Shared> MapAnswers::showing(const Shared& asked, const WordValues& words) {
+    View view;
+    for (const auto& [word, value] : words)
+        if (word == "with" || word == "color")
+            if (auto ok = applyWord(view, word, value); !ok) return passOn(ok);
+    if (auto sound = validate(view); !sound) return passOn(sound);
+    if (view.with.empty()) return asked;
+    auto cloud = asked->clouds->viewed(asked->id, view);
+    if (!cloud) return passOn(std::move(cloud));
+    auto shown = std::make_shared<Asked>(*asked);
+    shown->cloud = std::move(*cloud);
+    shown->live = asked->clouds->isLive(asked->id, view.with);
+    return shown;
+}
+
+void MapAnswers::map(const Shared& one, MapRequest map) const {
+    const auto showing = MapAnswers::showing(one, map.words);
+    if (!showing) return one->refuse(showing.error());
+    const Shared& asked = *showing;
     const Cloud& cloud = *asked->cloud;
     if (std::uint64_t(map.width) * std::uint64_t(map.height) > options_.maxPixels) {
         return asked->refuse(
@@ -333,7 +353,10 @@ void MapAnswers::answerEmpty(const Shared& asked, const Ordered& ordered) const 
     asked->respond(std::move(response));
 }
 
-void MapAnswers::feature(const Shared& asked, const FeatureRequest& request) const {
+void MapAnswers::feature(const Shared& one, const FeatureRequest& request) const {
+    const auto showing = MapAnswers::showing(one, request.map.words);
+    if (!showing) return one->refuse(showing.error());
+    const Shared& asked = *showing;
     auto view = viewOfMap(*asked->cloud, request.map);
     if (!view) return asked->refuse(view.error());
     post(asked, [this, asked, request, view = std::move(*view)] { pick(asked, request, view); });

@@ -47,6 +47,8 @@ class MapAnswers {
     struct Ordered;
     class References;
     using Shared = std::shared_ptr<const Asked>;
+    /// The same, of all clouds that the words show together.
+    static Expected<Shared> showing(const Shared& asked, const WordValues& words);
 
     void wms(const Shared& asked, std::string_view query) const;
     void wmts(const Shared& asked, std::string_view query) const;

@@ -34,17 +34,16 @@ ScanPoint ballThere(std::uint64_t i, std::uint64_t n) {
     ScanPoint point = ball(i, n);
     point.position += farAway + glm::dvec3(90, 110, 8);
     point.color = {std::uint8_t(200 + i % 50), std::uint8_t(i % 251), 30};
+    point.intensity = std::uint16_t(i % 700);
     return point;
 }
 
-Attributes withColors(bool colors = true) {
+std::shared_ptr<const Cloud> built(std::uint64_t points, SyntheticSource::Make make, bool colors = true,
+                                   bool intensities = true) {
     Attributes attributes;
     attributes.color = colors;
-    return attributes;
-}
-
-std::shared_ptr<const Cloud> built(std::uint64_t points, SyntheticSource::Make make, bool colors = true) {
-    SyntheticSource source(points, std::move(make), withColors(colors), 0.001, farAway);
+    attributes.intensity = intensities;
+    SyntheticSource source(points, std::move(make), attributes, 0.001, farAway);
     BuildOptions options;
     options.threads = 2;
     options.shape.leafPoints = 700;
@@ -251,6 +250,30 @@ TEST_P(TogetherOracle, ATintIsAProductOrTheColor) {
         if (std::isfinite(alone.depth[i])) ASSERT_EQ(pixelOf(alone, i), cloudColors[0]);
 }
 
+TEST_P(TogetherOracle, AFilterHoldsForEachCloud) {
+    TogetherMember tinted = member("ball", ballCloud());
+    tinted.tint = Rgb8{255, 255, 255};  // changes nothing, and has its samples painted
+    for (const auto& other : {member("ball", ballCloud()), tinted}) {
+        const auto both = together({member("ground", groundCloud()), other});
+        View view = plainViews()[1];
+        view.style.filter = {{"intensity", 100, 450}};
+        const Frame a = draw(*groundCloud(), view), b = draw(*ballCloud(), view), all = draw(*both, view);
+        view.style.filter.clear();
+        EXPECT_GT(differing(all, draw(*both, view)), 1000U);
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < all.depth.size(); ++i)
+            wrong += pixelOf(all, i) != pixelOf(a.depth[i] <= b.depth[i] ? a : b, i);
+        EXPECT_LE(wrong, atBorders);
+    }
+    const auto without = built(1000, ballThere, true, false);
+    View view = plainViews()[1];
+    view.style.filter = {{"intensity", 100, 450}};
+    const auto refused = render(*device_, *together({member("ground", groundCloud()), member("bare", without)}), view);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().field, "filter");
+    EXPECT_NE(refused.error().message.find("\"bare\""), std::string::npos) << refused.error().message;
+}
+
 TEST_P(TogetherOracle, IsTheSameOnEveryDeviceAndOutOfFiles) {
     const TemporaryFolder folder;
     writeCloud(*groundCloud(), folder / "ground.scan");
@@ -372,6 +395,15 @@ TEST(TogetherPick, SaysWhosePointItIsAndWhereThatHasIt) {
     }
     EXPECT_GT(ofBall, 5);
     EXPECT_GT(ofGround, 50);
+    // What a filter takes away is not picked, of no cloud; what is left is whose it was.
+    View filtered = view;
+    filtered.style.filter = {{"intensity", 300, 400}};
+    for (std::size_t i = 7; i < frame.depth.size(); i += 997) {
+        const auto picked = pick(*both, filtered, {int(i % 240), int(i / 240)}, frame.depth[i]).value();
+        if (!picked) continue;
+        EXPECT_GE(picked->sample.intensity, 300);
+        EXPECT_LE(picked->sample.intensity, 400);
+    }
 }
 
 TEST(TogetherRefuses, OtherSystemsAndTooManyNodes) {

@@ -142,7 +142,9 @@ TEST_F(TogetherTest, GuestsSeeOneCloudWhateverTheyName) {
     EXPECT_EQ(driven.status, 404) << driven.body;
     EXPECT_EQ(request(port(), "/api/v1/clouds/one/stream.mjpg?with=two", {bearer(pass)}).status, 404);
     for (const FakePainter::Painted& painted : painter.begun())
-        if (painted.view.with.empty()) EXPECT_FALSE(painted.cloud->together);
+        if (painted.view.with.empty()) {
+            EXPECT_FALSE(painted.cloud->together);
+        }
 }
 
 TEST_F(TogetherTest, StreamsShowThemAndTellOfThoseThatGo) {

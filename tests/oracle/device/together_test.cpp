@@ -247,7 +247,9 @@ TEST_P(TogetherOracle, ATintIsAProductOrTheColor) {
     view.style.color = ColorSource::Cloud;
     const Frame alone = draw(*groundCloud(), view);
     for (std::size_t i = 0; i < alone.depth.size(); ++i)
-        if (std::isfinite(alone.depth[i])) ASSERT_EQ(pixelOf(alone, i), cloudColors[0]);
+        if (std::isfinite(alone.depth[i])) {
+            ASSERT_EQ(pixelOf(alone, i), cloudColors[0]);
+        }
 }
 
 TEST_P(TogetherOracle, AFilterHoldsForEachCloud) {

@@ -70,7 +70,11 @@ TEST_F(SceneTogether, WhoFollowsSeesOfTheLeadersCloudsThoseThatHeMaySee) {
 TEST_F(SceneTogether, WhatAClientNamesItselfIsThereOrRefused) {
     const SeenBy guests{VisibleClouds(catalog, "one")};
     const SceneResolver scenes(guests, nullptr, pixels);
-    const auto own = scenes.opened({.cloud = "one", .width = 64, .height = 48});
+    messages::Hello hello;
+    hello.cloud = "one";
+    hello.width = 64;
+    hello.height = 48;
+    const auto own = scenes.opened(hello);
     ASSERT_TRUE(own);
     const auto change = [&](const char* id) {
         return scenes.changed(*own, {.seq = 1, .cloud = std::nullopt, .changes = {{"with", {{{"cloud", id}}}}}});

@@ -39,21 +39,24 @@ Expected<void> checkSameSystem(const TogetherMember& own, const TogetherMember& 
     const auto b = crsMeaning(other.cloud->crsWkt, other.cloud->crsEpsg);
     if (!a || !b) return {};
     if (compare(*a, *b) == CrsRelation::Different)
-        return refuse(fmt::format("\"{}\" is in {}, and \"{}\" in {}: clouds of different coordinate reference systems "
-                                  "cannot be shown together. Bring the scans into one first.",
-                                  own.name, calledCrs(*own.cloud), other.name, calledCrs(*other.cloud)));
+        return refuse(
+            fmt::format("\"{}\" is in {}, and \"{}\" in {}: clouds of different coordinate reference systems "
+                        "cannot be shown together. Bring the scans into one first.",
+                        own.name, calledCrs(*own.cloud), other.name, calledCrs(*other.cloud)));
     const CrsUnits mine = crsUnits(own.cloud->crsWkt, own.cloud->crsEpsg);
     const CrsUnits theirs = crsUnits(other.cloud->crsWkt, other.cloud->crsEpsg);
     const auto differ = [](double one, double another) {
         return one > 0 && another > 0 && std::abs(one - another) > 1e-9 * one;
     };
     if (differ(mine.metres, theirs.metres))
-        return refuse(fmt::format("\"{}\" is in {}, and \"{}\" in {}: clouds of different units cannot be shown together.",
-                                  own.name, calledUnit(mine), other.name, calledUnit(theirs)));
-    if (differ(mine.verticalMetres, theirs.verticalMetres))
         return refuse(fmt::format(
-            "heights of \"{}\" are in {}, those of \"{}\" in {}: clouds of different units cannot be shown together.",
-            own.name, mine.verticalUnit, other.name, theirs.verticalUnit));
+            "\"{}\" is in {}, and \"{}\" in {}: clouds of different units cannot be shown together.",
+            own.name, calledUnit(mine), other.name, calledUnit(theirs)));
+    if (differ(mine.verticalMetres, theirs.verticalMetres))
+        return refuse(
+            fmt::format("heights of \"{}\" are in {}, those of \"{}\" in {}: clouds of different units "
+                        "cannot be shown together.",
+                        own.name, mine.verticalUnit, other.name, theirs.verticalUnit));
     return {};
 }
 
@@ -63,7 +66,8 @@ Expected<void> checkHere(const TogetherMember& member) {
     if (!placeOfShared(store) && (store.whole() || store.cloudFile())) return {};
     return fail(ErrorCode::Unsupported,
                 "with: the points of \"" + member.name +
-                    "\" are with other processes than this one, which draw one cloud at a time; serve the clouds with "
+                    "\" are with other processes than this one, which draw one cloud at a time; serve the "
+                    "clouds with "
                     "scancast serve to see them together.",
                 "with");
 }
@@ -102,7 +106,8 @@ std::shared_ptr<SampleStore> keptStore(const Together* before, const TogetherMem
 }
 
 MakeStore storesIn(const std::shared_ptr<BlockCache>& cache) {
-    return [cache = std::weak_ptr(cache)](std::shared_ptr<const CloudFile> file) -> std::shared_ptr<SampleStore> {
+    return [cache =
+                std::weak_ptr(cache)](std::shared_ptr<const CloudFile> file) -> std::shared_ptr<SampleStore> {
         const auto there = cache.lock();
         return there ? there->add(std::move(file)) : nullptr;
     };
@@ -114,7 +119,8 @@ class Gathering {
     Gathering(const Together& together, const glm::dvec3& origin, bool markSides) {
         for (const TogetherMember& member : together.members) {
             const bool isSure = markSides && member.cloud->oriented;
-            parts_.push_back({member.cloud->octree.nodes(), member.cloud->origin + member.shift - origin, isSure, {}, 0});
+            parts_.push_back(
+                {member.cloud->octree.nodes(), member.cloud->origin + member.shift - origin, isSure, {}, 0});
             if (!isShown(member)) parts_.back().nodes = {};
         }
     }
@@ -181,7 +187,8 @@ bool hasSameSamples(const Together& a, const Together& b) {
 }  // namespace
 
 Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> members, bool byCloud,
-                                                   const std::shared_ptr<BlockCache>& cache, const Cloud* like) {
+                                                   const std::shared_ptr<BlockCache>& cache,
+                                                   const Cloud* like) {
     const Together* const before = like != nullptr ? like->together.get() : nullptr;
     std::uint64_t nodes = 0;
     for (const TogetherMember& member : members) {
@@ -192,11 +199,13 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
     }
     const std::uint64_t most = std::min(mostNodesTogether, cache->stats().limit / 4 / bytesPerNodeTogether);
     if (nodes > most)
-        return fail(ErrorCode::ResourceLimit,
-                    fmt::format("with: these clouds have {} nodes, and {} may be shown together here; hide some of them, or "
-                                "ingest them as one cloud.",
-                                nodes, most),
-                    "with");
+        return fail(
+            ErrorCode::ResourceLimit,
+            fmt::format(
+                "with: these clouds have {} nodes, and {} may be shown together here; hide some of them, or "
+                "ingest them as one cloud.",
+                nodes, most),
+            "with");
 
     auto together = std::make_shared<Together>();
     together->members = std::move(members);
@@ -247,13 +256,16 @@ Expected<std::shared_ptr<const Octree>> picturedTogether(const Cloud& cloud, con
             error.message.insert(0, "\"" + member.name + "\": ");
             return tl::unexpected(std::move(error));
         }
-        octree = *made ? std::move(*made) : std::shared_ptr<const Octree>(member.cloud, &member.cloud->octree);
+        octree =
+            *made ? std::move(*made) : std::shared_ptr<const Octree>(member.cloud, &member.cloud->octree);
         words += fmt::format(" {}", octree->source());
     }
     DerivedOctrees& derived = cloud.octree.store().derived();
     if (auto known = derived.find(words)) return known;
     auto together = std::make_shared<Together>(*cloud.together);
-    const MakeStore make = [&](std::shared_ptr<const CloudFile> file) { return derived.storeFor(std::move(file)); };
+    const MakeStore make = [&](std::shared_ptr<const CloudFile> file) {
+        return derived.storeFor(std::move(file));
+    };
     for (std::size_t i = 0; i < octrees.size(); ++i) {
         if (!octrees[i]) continue;
         // Where a column colours, samples' own colours mean nothing.
@@ -263,7 +275,8 @@ Expected<std::shared_ptr<const Octree>> picturedTogether(const Cloud& cloud, con
         together->stores[i] = std::move(*made);
     }
     std::vector<Node> nodes(cloud.octree.nodes().begin(), cloud.octree.nodes().end());
-    return derived.keep(words, std::make_shared<const Octree>(std::move(nodes), togetherStore(std::move(together))));
+    return derived.keep(words,
+                        std::make_shared<const Octree>(std::move(nodes), togetherStore(std::move(together))));
 }
 
 }  // namespace scancast

@@ -91,7 +91,8 @@ std::optional<Look> lookTogether(const Together& together, const Members& shown,
     const Camera camera = outside != look.views.end() ? outside->camera : all.defaultCamera(16.0 / 9);
     look.views = {LookView{"together", false, camera}};
     // A tint is to be seen: who colours by anything else says so.
-    const bool tinted = std::ranges::any_of(shown, [](const auto* member) { return member->tint.has_value(); });
+    const bool tinted =
+        std::ranges::any_of(shown, [](const auto* member) { return member->tint.has_value(); });
     const bool ofColors = look.style.color == ColorSource::Rgb || look.style.color == ColorSource::Auto;
     if (tinted && !ofColors) {
         look.style.color = ColorSource::Rgb;
@@ -158,7 +159,8 @@ void addRanges(const Members& shown, CloudFacts& facts) {
         const Cloud& cloud = *member->cloud;
         facts.points += cloud.points;
         facts.droppedPoints += cloud.droppedPoints;
-        for (std::size_t i = 0; i < facts.classCounts.size(); ++i) facts.classCounts[i] += cloud.classCounts[i];
+        for (std::size_t i = 0; i < facts.classCounts.size(); ++i)
+            facts.classCounts[i] += cloud.classCounts[i];
         facts.spacing = std::max(facts.spacing, cloud.spacing);
         if (cloud.attributes.intensity || cloud.constant.intensity)
             intensity = intensity ? aroundRange(*intensity, cloud.intensityRange) : cloud.intensityRange;
@@ -183,10 +185,11 @@ std::string revisionOf(const Together& together) {
     std::string all = together.byCloud ? "by cloud" : "";
     for (std::size_t i = 0; i < together.members.size(); ++i) {
         const TogetherMember& member = together.members[i];
-        all += fmt::format("\n{} {:a} {:a} {:a} {}", member.cloud->revision, member.shift.x, member.shift.y, member.shift.z,
-                           member.hidden);
+        all += fmt::format("\n{} {:a} {:a} {:a} {}", member.cloud->revision, member.shift.x, member.shift.y,
+                           member.shift.z, member.hidden);
         if (const auto& paint = together.paints[i])
-            all += fmt::format(" {} {} {} {}", paint->color[0], paint->color[1], paint->color[2], paint->covers);
+            all +=
+                fmt::format(" {} {} {} {}", paint->color[0], paint->color[1], paint->color[2], paint->covers);
     }
     const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);

@@ -158,7 +158,8 @@ TEST_P(TogetherOracle, IsTheCloudOfBothScans) {
     };
     const std::uint64_t each = sized(20'000, 4'000);
     const auto one = built(2 * each, half);
-    const auto both = together({member("ground", built(each, groundThere)), member("ball", built(each, ballThere))});
+    const auto both =
+        together({member("ground", built(each, groundThere)), member("ball", built(each, ballThere))});
     for (const View& view : plainViews()) {
         // Places are kept in other steps there: a few points lie in the next pixel.
         EXPECT_LE(differing(draw(*one, view), draw(*both, view)), std::size_t(240 * 160 / 50));
@@ -270,7 +271,8 @@ TEST_P(TogetherOracle, AFilterHoldsForEachCloud) {
     const auto without = built(1000, ballThere, true, false);
     View view = plainViews()[1];
     view.style.filter = {{"intensity", 100, 450}};
-    const auto refused = render(*device_, *together({member("ground", groundCloud()), member("bare", without)}), view);
+    const auto refused =
+        render(*device_, *together({member("ground", groundCloud()), member("bare", without)}), view);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().field, "filter");
     EXPECT_NE(refused.error().message.find("\"bare\""), std::string::npos) << refused.error().message;
@@ -312,14 +314,15 @@ TEST_P(TogetherOracle, IsTheSameOnEveryDeviceAndOutOfFiles) {
 
 // Without pixels: what selection promises of one root, it keeps of several.
 TEST(TogetherTree, EveryLeafIsDrawnOnceWithinAnyBudget) {
-    const auto both = together({member("ground", groundCloud()), member("ball", ballCloud()),
-                                member("again", ballCloud())});
+    const auto both = together(
+        {member("ground", groundCloud()), member("ball", ballCloud()), member("again", ballCloud())});
     const Octree& octree = both->octree;
     EXPECT_EQ(octree.roots(), 3U);
     for (std::uint32_t i = 0; i < octree.nodes().size(); ++i) {
         const Node& node = octree.node(i);
         EXPECT_EQ(node.parent == noNode, i < octree.roots());
-        for (std::uint32_t c = 0; c < node.childCount; ++c) EXPECT_EQ(octree.node(node.firstChild + c).parent, i);
+        for (std::uint32_t c = 0; c < node.childCount; ++c)
+            EXPECT_EQ(octree.node(node.firstChild + c).parent, i);
     }
     const auto viewpoint = Viewpoint::create(plainViews()[0], both->origin, both->bounds).value();
     for (const double fade : {0.0, 0.5})
@@ -337,7 +340,8 @@ TEST(TogetherTree, EveryLeafIsDrawnOnceWithinAnyBudget) {
             for (std::uint32_t leaf = 0; leaf < octree.nodes().size(); ++leaf) {
                 if (!octree.node(leaf).isLeaf()) continue;
                 int times = 0;
-                for (std::uint32_t up = leaf; up != noNode; up = octree.node(up).parent) times += whole.contains(up);
+                for (std::uint32_t up = leaf; up != noNode; up = octree.node(up).parent)
+                    times += whole.contains(up);
                 ASSERT_EQ(times, 1) << leaf << ", budget " << budget << ", fade " << fade;
             }
         }
@@ -352,7 +356,8 @@ TEST(TogetherTree, WhatOnlyMovesKeepsItsSamplesOnDevices) {
     EXPECT_EQ(first->octree.source(), moved->octree.source());
     EXPECT_EQ(first->together->stores, moved->together->stores);
     EXPECT_NE(first->revision, moved->revision);
-    EXPECT_EQ(first->together->stores[0].get(), &groundCloud()->octree.store()) << "shared with the cloud itself";
+    EXPECT_EQ(first->together->stores[0].get(), &groundCloud()->octree.store())
+        << "shared with the cloud itself";
     tinted.tint = Rgb8{9, 99, 198};
     EXPECT_NE(together({member("ground", groundCloud()), tinted}, false, first.get())->octree.source(),
               first->octree.source());
@@ -421,7 +426,8 @@ TEST(TogetherRefuses, OtherSystemsAndTooManyNodes) {
     EXPECT_NE(refused.error().message.find("25832"), std::string::npos) << refused.error().message;
     EXPECT_NE(refused.error().message.find("25833"), std::string::npos);
     EXPECT_TRUE(putTogether({member("a", in(25832)), member("b", in(25832))}, false, cache()));
-    EXPECT_TRUE(putTogether({member("a", in(25832)), member("b", ballCloud())}, false, cache())) << "not known";
+    EXPECT_TRUE(putTogether({member("a", in(25832)), member("b", ballCloud())}, false, cache()))
+        << "not known";
     const auto tiny = cacheOf(4096);
     const auto large = putTogether({member("a", groundCloud()), member("b", ballCloud())}, false, tiny);
     ASSERT_FALSE(large);

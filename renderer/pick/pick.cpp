@@ -16,6 +16,7 @@
 #include "renderer/select/viewpoint.hpp"
 #include "renderer/style.hpp"
 #include "renderer/together/together.hpp"
+#include "renderer/together/together_columns.hpp"
 
 namespace scancast {
 
@@ -130,24 +131,19 @@ Expected<KeptPoint> keptPoint(const Cloud& cloud, const Octree& octree, const Ne
     return point;
 }
 
-/// The octree that has the point: the one that is drawn, or, of several clouds, that of the cloud whose it is (`of`), where `found` is
-/// then, as it is by itself.
-Expected<std::shared_ptr<const Octree>> ownerOf(const Cloud& cloud, const Octree& drawn, const Style& filtered,
-                                                Nearest& found, std::optional<Picked::Of>& of,
-                                                const std::stop_token& stop) {
-    if (!cloud.together) return std::shared_ptr<const Octree>(std::shared_ptr<const Octree>(), &drawn);
-    const Together::Place& place = cloud.together->places[found.node];
-    const TogetherMember& member = cloud.together->members[place.member];
-    auto pictured = picturedOctree(*member.cloud, filtered);
-    if (!pictured) return passOn(std::move(pictured));
-    std::shared_ptr<const Octree> octree = std::move(*pictured);
-    if (!octree) octree = {member.cloud, &member.cloud->octree};
-    auto run = octree->store().load(place.node, stop);
+/// Of several clouds, the one that has it, where `found` is then.
+Expected<Picked::Of> ownerOf(const Together& together, const Style& filtered, Nearest& found,
+                             const std::stop_token& stop) {
+    const Together::Place& place = together.places[found.node];
+    const TogetherMember& member = together.members[place.member];
+    const auto pictured = picturedOctree(*member.cloud, filtered);
+    if (!pictured) return passOn(pictured);
+    const Octree& octree = *pictured ? **pictured : member.cloud->octree;
+    auto run = octree.store().load(place.node, stop);
     if (!run) return passOn(std::move(run));
     found.node = place.node;
     found.run = std::move(*run);
-    of = Picked::Of{member.cloud, member.name, member.shift};
-    return octree;
+    return Picked::Of{member.cloud, member.name, member.shift};
 }
 
 double radiusOf(const Cloud& cloud, const Node& node, const Sample& sample) {
@@ -174,19 +170,25 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     if (view.style.mirrors && isGlass(cloud, *place, depth)) return std::nullopt;
     Style filtered = view.style;
     filtered.color = ColorSource::Auto;  // else samples would have a column's values for intensities
-    const auto pictured = picturedTogether(cloud, filtered);
+    const auto pictured = picturedOctreeOf(cloud, filtered);
     if (!pictured) return passOn(pictured);
     const Octree& octree = *pictured ? **pictured : cloud.octree;
     auto nearest = nearestLeafSample(octree, *place, sampleFilter(cloud, view.style), stop);
     if (!nearest) return passOn(nearest);
     if (nearest->node == noNode) return std::nullopt;
     Picked picked;
-    auto owner = ownerOf(cloud, octree, filtered, *nearest, picked.of, stop);
-    if (!owner) return passOn(std::move(owner));
+    if (cloud.together) {
+        auto owner = ownerOf(*cloud.together, filtered, *nearest, stop);
+        if (!owner) return passOn(std::move(owner));
+        picked.of = std::move(*owner);
+    }
     const Cloud& own = picked.of ? *picked.of->cloud : cloud;
-    auto point = keptPoint(own, **owner, *nearest);
+    const auto ofOwn = picked.of ? picturedOctree(own, filtered) : pictured;
+    if (!ofOwn) return passOn(ofOwn);
+    auto point = keptPoint(own, *ofOwn ? **ofOwn : own.octree, *nearest);
     if (!point) return passOn(std::move(point));
     picked.point = std::move(*point);
+    picked.surface = cloud.origin + *place;
     picked.sample = nearest->sample();
     picked.radius = radiusOf(own, own.octree.node(nearest->node), picked.sample);
     picked.depth = depth;

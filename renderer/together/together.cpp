@@ -86,11 +86,11 @@ std::optional<Paint> paintOf(const TogetherMember& member, std::size_t place, bo
 
 using MakeStore = std::function<std::shared_ptr<SampleStore>(std::shared_ptr<const CloudFile>)>;
 
-/// Where the samples come from that are drawn of a cloud, or of an octree that a view made of it.
-Expected<std::shared_ptr<SampleStore>> storeOf(const Cloud& cloud, const Octree& drawn,
-                                               const std::optional<Paint>& paint, const MakeStore& make) {
-    if (!paint) return drawn.sharedStore();
-    auto file = drawn.store().cloudFile();
+/// Where the samples come from that are drawn of a cloud.
+Expected<std::shared_ptr<SampleStore>> storeOf(const Cloud& cloud, const std::optional<Paint>& paint,
+                                               const MakeStore& make) {
+    if (!paint) return cloud.octree.sharedStore();
+    auto file = cloud.octree.store().cloudFile();
     if (!file) file = fileOfSamples(cloud);
     if (auto made = make(paintedFile(std::move(file), *paint))) return made;
     return fail(ErrorCode::Cancelled, "The clouds are not there any more.");
@@ -220,7 +220,7 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
         if (!isShown(all[i])) continue;
         store = keptStore(before, all[i], together->paints.back());
         if (store) continue;
-        auto made = storeOf(*all[i].cloud, all[i].cloud->octree, together->paints.back(), storesIn(cache));
+        auto made = storeOf(*all[i].cloud, together->paints.back(), storesIn(cache));
         if (!made) return passOn(std::move(made));
         store = std::move(*made);
     }
@@ -237,46 +237,6 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
     store->derived().setStoreMaker(storesIn(cache));
     cloud->octree = Octree(std::move(gathered), std::move(store), same ? like->octree.source() : 0);
     return cloud;
-}
-
-Expected<std::shared_ptr<const Octree>> picturedTogether(const Cloud& cloud, const Style& style) {
-    if (!cloud.together) return picturedOctree(cloud, style);
-    const bool byColumn = style.color == ColorSource::Column;
-    if ((style.filter.empty() && !byColumn) || cloud.octree.nodes().empty()) return nullptr;
-    Style each = style;
-    if (byColumn && !each.range) each.range = naturalEnds(cloud, style.column);
-    std::vector<std::shared_ptr<const Octree>> octrees;
-    std::string words = "of";
-    for (const TogetherMember& member : cloud.together->members) {
-        auto& octree = octrees.emplace_back();
-        if (!isShown(member)) continue;
-        auto made = picturedOctree(*member.cloud, each);
-        if (!made) {
-            Error error = made.error();
-            error.message.insert(0, "\"" + member.name + "\": ");
-            return tl::unexpected(std::move(error));
-        }
-        octree =
-            *made ? std::move(*made) : std::shared_ptr<const Octree>(member.cloud, &member.cloud->octree);
-        words += fmt::format(" {}", octree->source());
-    }
-    DerivedOctrees& derived = cloud.octree.store().derived();
-    if (auto known = derived.find(words)) return known;
-    auto together = std::make_shared<Together>(*cloud.together);
-    const MakeStore make = [&](std::shared_ptr<const CloudFile> file) {
-        return derived.storeFor(std::move(file));
-    };
-    for (std::size_t i = 0; i < octrees.size(); ++i) {
-        if (!octrees[i]) continue;
-        // Where a column colours, samples' own colours mean nothing.
-        const auto paint = byColumn ? std::nullopt : together->paints[i];
-        auto made = storeOf(*together->members[i].cloud, *octrees[i], paint, make);
-        if (!made) return passOn(std::move(made));
-        together->stores[i] = std::move(*made);
-    }
-    std::vector<Node> nodes(cloud.octree.nodes().begin(), cloud.octree.nodes().end());
-    return derived.keep(words,
-                        std::make_shared<const Octree>(std::move(nodes), togetherStore(std::move(together))));
 }
 
 }  // namespace scancast

@@ -59,11 +59,6 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
                                                    const std::shared_ptr<BlockCache>& cache,
                                                    const Cloud* like = nullptr);
 
-/// The octree that a view draws when it asks for columns: of a cloud, and of several together the octrees of each (`filter` and
-/// `color=column:` hold for all of them, over the range of all). nullptr: the view asks for none, and draws the cloud's own.
-/// Errors: picturedOctree()'s, with the name of the cloud of several that lacks the column.
-Expected<std::shared_ptr<const Octree>> picturedTogether(const Cloud& cloud, const Style& style);
-
 /// The view's clouds as members, the own one first. `find`: the cloud of a name.
 template <class Find>
 Expected<std::vector<TogetherMember>> membersOf(const ViewedClouds& viewed, TogetherMember own, Find find) {

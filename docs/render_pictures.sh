@@ -40,6 +40,13 @@ render "$work/town.las" intensity --color intensity --colormap viridis --shading
 "$bin/scancast" render "$work/town5.las" -o "$root/docs/images/section.jpg" --quality 85 --width 960 --height 240 --clips='box:389500,5819800,50,240,0.6,60,20' \
     --projection orthographic --view-height 24 --eye=389534,5819706,43 --target=389500,5819800,43 --background '#ffffff'
 
+# docs/several-clouds.md: the town, and a scan of it before that, which lies elsewhere.
+"$bin/scancast" generate town --points 2M --seed 7 -o "$work/before.las"
+several() { "$bin/scancast" render "$work/town5.las" -o "$work/$1.png" --width 640 --height 400 --eye=389478,5819755,72 --target=389505,5819850,44 --fov 40 "${@:2}"; }
+several by-cloud --color cloud*intensity --with "$work/before.las,shift:0:0:1.5"
+several tinted --color rgb --with ".,tint:ffc080;$work/before.las,shift:0:0:1.5,tint:80c0ff"
+ffmpeg -v error -y -i "$work/by-cloud.png" -i "$work/tinted.png" -filter_complex hstack -q:v 4 "$root/docs/images/several-clouds.jpg"
+
 # A profile, cut out by a server.
 "$bin/scancast" ingest "$work/town5.las" -o "$work/profile.scan" --quiet
 "$bin/scancast" serve "$work/profile.scan" --port 18085 > /dev/null 2>&1 &

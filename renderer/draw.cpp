@@ -117,7 +117,8 @@ Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const Prepa
     double provideMs = prepared.provideMs;
     if (memory) {
         const auto start = Clock::now();
-        if (auto ok = bringCuts(prepared.cloud->octree, own, sun, *memory, stop); !ok) return passOn(ok);
+        if (auto ok = bringCuts(octreeOf(*prepared.cloud, planned), own, sun, *memory, stop); !ok)
+            return passOn(ok);
         provideMs += millisecondsSince(start);
     }
     if (!info.mirrors) leaveMirrorsOut(own);

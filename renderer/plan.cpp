@@ -8,6 +8,7 @@
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/light.hpp"
 #include "renderer/method/method.hpp"
+#include "renderer/residency/pictured_octree.hpp"
 #include "renderer/select/fade.hpp"
 #include "renderer/style.hpp"
 #include "renderer/sun.hpp"
@@ -192,13 +193,14 @@ Expected<ChosenMethod> choose(const Cloud& cloud, const Style& style) {
 }
 
 /// How to select what the passes draw.
-SelectOptions selectionFor(const Cloud& cloud, const View& view, double detail, const PassList& passes) {
+SelectOptions selectionFor(const Cloud& cloud, const Octree& octree, const View& view, double detail,
+                           const PassList& passes) {
     SelectOptions selection;
     selection.detail = detail;
     selection.fade = fadeBand(detail);
     selection.budget = view.quality.budget;
     // A picture holds on to its samples while it is drawn: no more of them than the memory limit allows.
-    if (const auto most = mostSamples(cloud))
+    if (const auto most = mostSamples(octree))
         selection.budget = std::min(selection.budget.value_or(*most), *most);
     growBySplats(passes, cloud.surfels, selection);
     selection.cullBackFaces = (cloud.oriented || cloud.sides) && drawsFrontOnly(passes);
@@ -255,9 +257,9 @@ Style leftOpen(Style style) {
 
 }  // namespace
 
-std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
-    if (cloud.octree.nodes().empty() || cloud.octree.store().whole()) return std::nullopt;
-    return cloud.octree.store().capacity();
+std::optional<std::uint64_t> mostSamples(const Octree& octree) {
+    if (octree.nodes().empty() || octree.store().whole()) return std::nullopt;
+    return octree.store().capacity();
 }
 
 Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view) {
@@ -270,6 +272,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     if (auto ok = checkAbility(cloud, *method, chosen->shading, style.color); !ok) return passOn(ok);
     auto color = colorRule(cloud, style, *viewpoint);
     if (!color) return passOn(color);
+    auto pictured = picturedOctree(cloud, style);
+    if (!pictured) return passOn(pictured);
 
     auto planned = std::make_shared<PlannedView>();
     planned->view = view;
@@ -282,6 +286,7 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->exposure = *style.exposure;
     planned->color = *color;
     planned->filter = sampleFilter(cloud, view.style);
+    planned->pictured = std::move(*pictured);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
     planned->passes = method->passes({*method, chosen->parameters, chosen->shading, traits(cloud), detail,
                                       chosen->light, view.height, style.color == ColorSource::Visibility,
@@ -289,7 +294,7 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     if (auto ok = checkPasses(cloud, planned->passes); !ok) return passOn(ok);
     planned->curvatures = hasCurvature(cloud) && looksAtCurvatures(planned->passes, planned->color);
     planned->beside = planned->curvatures || planned->color.source == ColorSource::Infrared;
-    planned->selection = selectionFor(cloud, view, detail, planned->passes);
+    planned->selection = selectionFor(cloud, octreeOf(cloud, *planned), view, detail, planned->passes);
     planned->selection.clip = planned->filter.clip;
     planned->selection.shapes = planned->filter.shapes;
     planShadows(cloud, *planned);

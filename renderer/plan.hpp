@@ -31,6 +31,8 @@ struct PlannedView {
     double exposure = 0;                              ///< of rgb, stops
     ColorRule color;
     SampleFilter filter;
+    /// The cloud's octree as its columns are asked for, which is drawn in the place of the cloud's own; null: its own.
+    std::shared_ptr<const Octree> pictured;
     SelectOptions selection;
     std::optional<Viewpoint> sun;  ///< what it sees is the map of shadows; none: nothing is in the shadow
     SelectOptions sunSelection;
@@ -59,7 +61,15 @@ View defaultView(const Cloud& cloud, int width = 1280, int height = 720);
 /// without a look.
 std::vector<LookView> viewsOf(const Cloud& cloud, double aspect);
 
+/// What is drawn: the cloud's octree, or what a view's columns made of it.
+inline const Octree& octreeOf(const Cloud& cloud, const PlannedView& planned) {
+    return planned.pictured ? *planned.pictured : cloud.octree;
+}
+
 /// As many samples as a picture may hold on to; nullopt = as many as there are.
-std::optional<std::uint64_t> mostSamples(const Cloud& cloud);
+std::optional<std::uint64_t> mostSamples(const Octree& octree);
+inline std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
+    return mostSamples(cloud.octree);
+}
 
 }  // namespace scancast

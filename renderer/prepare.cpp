@@ -11,8 +11,8 @@
 namespace scancast {
 namespace {
 
-Expected<void> checkBruteForce(const Cloud& cloud) {
-    const auto most = mostSamples(cloud);
+Expected<void> checkBruteForce(const Cloud& cloud, const Octree& octree) {
+    const auto most = mostSamples(octree);
     if (!most || cloud.points <= *most) return {};
     return fail(ErrorCode::ResourceLimit,
                 fmt::format("every point of this cloud does not fit the memory limit: it has {}, and {} fit; "
@@ -46,10 +46,11 @@ SelectOptions selectCuts(const Octree& octree, SelectOptions selection, std::vec
 }
 
 /// The runs that a picture from `camera` would draw; none where no such picture can be made.
-Cut cutAhead(const Cloud& cloud, View view, const Camera& camera, const SelectOptions& selection) {
+Cut cutAhead(const Cloud& cloud, const Octree& octree, View view, const Camera& camera,
+             const SelectOptions& selection) {
     view.camera = camera;
     const auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
-    return viewpoint ? select(cloud.octree, *viewpoint, selection) : Cut();
+    return viewpoint ? select(octree, *viewpoint, selection) : Cut();
 }
 
 std::vector<CutRun> runsOf(std::span<CutView* const> cuts) {
@@ -112,8 +113,9 @@ std::vector<CutView> cutsOf(const Cloud& cloud, const PlannedView& planned) {
 std::uint64_t samplesWanted(const Cloud& cloud, const PlannedView& planned) {
     PreparedView wanted;
     wanted.cuts = cutsOf(cloud, planned);
-    const SelectOptions whole = selectSun(cloud.octree, planned, {}, planned.selection, wanted);
-    selectCuts(cloud.octree, whole, wanted.cuts);
+    const Octree& octree = octreeOf(cloud, planned);
+    const SelectOptions whole = selectSun(octree, planned, {}, planned.selection, wanted);
+    selectCuts(octree, whole, wanted.cuts);
     std::uint64_t samples = 0;
     for (const CutView* view : cutsIn(wanted)) samples += view->cut.samples;
     return samples;
@@ -122,8 +124,9 @@ std::uint64_t samplesWanted(const Cloud& cloud, const PlannedView& planned) {
 Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
                                                       std::shared_ptr<const PlannedView> planned,
                                                       const RenderOptions& options, std::stop_token stop) {
+    const Octree& octree = octreeOf(cloud, *planned);
     if (options.bruteForce) {
-        if (auto ok = checkBruteForce(cloud); !ok) return passOn(ok);
+        if (auto ok = checkBruteForce(cloud, octree); !ok) return passOn(ok);
     }
     auto prepared = std::make_shared<PreparedView>();
     prepared->planned = std::move(planned);
@@ -134,18 +137,18 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
     const PlannedView& plan = *prepared->planned;
     auto start = Clock::now();
     prepared->cuts = cutsOf(cloud, plan);
-    const SelectOptions whole = selectSun(cloud.octree, plan, options,
-                                          selectionWith(options, plan.beside, plan.selection), *prepared);
-    const SelectOptions selection = selectCuts(cloud.octree, whole, prepared->cuts);
+    const SelectOptions whole =
+        selectSun(octree, plan, options, selectionWith(options, plan.beside, plan.selection), *prepared);
+    const SelectOptions selection = selectCuts(octree, whole, prepared->cuts);
     Cut soon;
-    if (options.ahead && !options.wait && mostSamples(cloud))
-        soon = cutAhead(cloud, plan.view, *options.ahead, selection);
+    if (options.ahead && !options.wait && mostSamples(octree))
+        soon = cutAhead(cloud, octree, plan.view, *options.ahead, selection);
     prepared->selectMs = millisecondsSince(start);
     start = Clock::now();
     const ProvideOptions provision{.wait = options.wait, .requester = options.requester, .ahead = soon.runs};
     const std::vector<CutView*> all = cutsIn(*prepared);
     if (plan.beside) askForBeside(all);
-    if (auto ok = provideCuts(cloud.octree, provision, all, stop); !ok) return passOn(ok);
+    if (auto ok = provideCuts(octree, provision, all, stop); !ok) return passOn(ok);
     prepared->provideMs = millisecondsSince(start);
     return prepared;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/nearest_name.hpp"
+#include "renderer/cloud/columns/pictured_file.hpp"
 #include "renderer/image/colormap.hpp"
 #include "renderer/image/tone_curve.hpp"
 #include "renderer/mirrors.hpp"
@@ -37,11 +39,13 @@ bool has(const CloudFacts& cloud, ColorSource source) {
             return cloud.attributes.normal;
         case ColorSource::Curvature:
             return hasCurvature(cloud);
+        case ColorSource::Column:  // which one, chooseColumns() judges
         case ColorSource::Auto:
         case ColorSource::Elevation:
         case ColorSource::Depth:
         case ColorSource::Lod:
         case ColorSource::Visibility:
+        case ColorSource::Cloud:
         case ColorSource::Flat:
             return true;
     }
@@ -54,7 +58,12 @@ std::string available(const CloudFacts& cloud) {
                               ColorSource::Classification, ColorSource::Normal, ColorSource::Curvature}) {
         if (has(cloud, source)) list += std::string(name(source)) + ", ";
     }
-    return list + "elevation, depth, lod and #rrggbb";
+    for (const std::size_t c : choosableColumns(cloud)) {
+        list += "column:";
+        list += quoteText(cloud.columns[c].column.name);
+        list += ", ";
+    }
+    return list + "elevation, depth, lod, cloud and #rrggbb";
 }
 
 /// Least and greatest depth of the cloud's bounding box, in front of the eye.
@@ -91,9 +100,9 @@ std::array<double, 2> curvatureRange(const CloudFacts& cloud) {
     return {-most, most};
 }
 
-std::optional<std::array<double, 2>> naturalRange(const Cloud& cloud, ColorSource source,
+std::optional<std::array<double, 2>> naturalRange(const Cloud& cloud, const Style& style,
                                                   const Viewpoint& viewpoint) {
-    switch (source) {
+    switch (style.color) {
         case ColorSource::Intensity:
             return intensityRange(cloud);
         case ColorSource::Elevation:
@@ -102,6 +111,8 @@ std::optional<std::array<double, 2>> naturalRange(const Cloud& cloud, ColorSourc
             return curvatureRange(cloud);
         case ColorSource::Depth:
             return depthRange(cloud, viewpoint);
+        case ColorSource::Column:
+            return naturalEnds(cloud, style.column);
         default:
             return std::nullopt;
     }
@@ -128,6 +139,12 @@ Expected<std::array<Rgb8, 256>> rampOf(const Style& style) {
 }
 
 void setRange(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint, ColorRule& rule) {
+    if (style.color == ColorSource::Column) {
+        // Samples bring where between the ends their values lie (picturedFile()).
+        rule.low = 0;
+        rule.high = greatestCode;
+        return;
+    }
     const auto range = rampEnds(cloud, style, viewpoint).value_or(std::array{0.0, 1.0});
     rule.low = range[0];
     // A range of no width (one value everywhere) is drawn in the ramp's first colour instead of dividing by
@@ -198,7 +215,13 @@ Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const View
     ColorRule rule;
     // What points look like does not matter where the picture is of labels.
     rule.source = style.color == ColorSource::Visibility ? ColorSource::Flat : style.color;
+    if (style.color == ColorSource::Column) rule.source = ColorSource::Intensity;
     rule.flat = style.flatColor;
+    // Of several, the samples have the colours of their clouds already (renderer/together); one alone has the first.
+    if (style.color == ColorSource::Cloud) {
+        rule.source = cloud.together ? ColorSource::Rgb : ColorSource::Flat;
+        rule.flat = cloudColors.front();
+    }
     rule.ramp = *ramp;
     setRange(cloud, style, viewpoint, rule);
     setTone(style, rule);
@@ -208,7 +231,7 @@ Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const View
 
 std::optional<std::array<double, 2>> rampEnds(const Cloud& cloud, const Style& style,
                                               const Viewpoint& viewpoint) {
-    const auto natural = naturalRange(cloud, style.color, viewpoint);
+    const auto natural = naturalRange(cloud, style, viewpoint);
     return natural && style.range ? style.range : natural;
 }
 

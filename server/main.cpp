@@ -8,6 +8,7 @@
 #include "server/commands/access/access_commands.hpp"
 #include "server/commands/backends.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/distance/distance_command.hpp"
 #include "server/commands/doctor/doctor_command.hpp"
 #include "server/commands/export/export.hpp"
 #include "server/commands/importer_flags.hpp"
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
     scancast::addRender(app, exitCode);
     scancast::addIngest(app, exitCode);
     scancast::addExport(app, exitCode);
+    scancast::addDistance(app, exitCode);
     scancast::addRasters(app, exitCode);
     scancast::addInfo(app, exitCode);
     scancast::addLook(app, exitCode);

@@ -52,7 +52,9 @@ class RunningServer final : public ScancastServer {
                    metrics_,       sessions_, requestLog_, options.scheduler.memory},
           io_(std::max(1, options.netThreads)),
           work_(asio::make_work_guard(io_)),
-          logTimer_(io_) {}
+          logTimer_(io_) {
+        catalog_.setCache(options.cache);
+    }
 
     ~RunningServer() override {
         shutDown();

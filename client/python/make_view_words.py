@@ -4,6 +4,7 @@
     client/python/make_view_words.py            # in a checkout; a test fails where the file is not what this would write
 """
 import json
+import keyword
 import os
 import re
 import sys
@@ -23,7 +24,8 @@ from ._values import Box, Vector
 
 
 def snake(name):
-    return re.sub(r"(?<=[a-z0-9])([A-Z])", lambda found: "_" + found[1].lower(), name)
+    name = re.sub(r"(?<=[a-z0-9])([A-Z])", lambda found: "_" + found[1].lower(), name)
+    return name + "_" if keyword.iskeyword(name) else name  # with_
 
 
 def is_null(schema):

@@ -24,9 +24,13 @@ set(SCANCAST_WEB_FILES
     export/asking.js
     export/card.js
     export/exporting.js
+    export/maps.js
     export/region.js
     export/saving.js
     export/sizes.js
+    filter/card.js
+    filter/filtering.js
+    filter/value_slider.js
     measure/answers.js
     measure/beginning.js
     measure/card.js
@@ -55,8 +59,10 @@ set(SCANCAST_WEB_FILES
     page/choices.js
     page/chosen_method.js
     page/colour_choice.js
+    page/columns.js
     page/controls.js
     page/cover.js
+    page/entries.js
     page/galleries.js
     page/history.js
     page/hud.js
@@ -64,6 +70,7 @@ set(SCANCAST_WEB_FILES
     page/layout.js
     page/lazy_tools.js
     page/loading_note.js
+    page/members.js
     page/method_choice.js
     page/number_field.js
     page/overlays.js
@@ -89,10 +96,12 @@ set(SCANCAST_WEB_FILES
     page/strings/clip.js
     page/strings/compare.js
     page/strings/export.js
+    page/strings/filter.js
     page/strings/measure.js
     page/strings/picture.js
     page/strings/plan.js
     page/strings/profile.js
+    page/strings/together.js
     page/strings/views.js
     page/themes.js
     page/thumbnails.js
@@ -118,6 +127,7 @@ set(SCANCAST_WEB_FILES
     styles/compare.css
     styles/export.css
     styles/fields.css
+    styles/filter.css
     styles/measure.css
     styles/panel.css
     styles/photos.css
@@ -128,7 +138,10 @@ set(SCANCAST_WEB_FILES
     styles/state.css
     styles/style.css
     styles/theme.css
+    styles/together.css
     styles/views.css
+    together/card.js
+    together/together.js
     view/anchor.js
     view/camera.js
     view/camera_input.js

@@ -14,7 +14,6 @@ import { ClassList } from './page/plan/class_list.js';
 import { OnPicture } from './page/plan/on_picture.js';
 import { Overlays } from './page/overlays.js';
 import { PageTools } from './page/page_tools.js';
-import { Photos } from './page/photos.js';
 import { asksToPresent, Presentation } from './page/presentation.js';
 import { showScan } from './page/scan_facts.js';
 import { copyLink } from './page/share.js';
@@ -72,12 +71,11 @@ const tools = new PageTools(viewer, rail, {
   overlays, chosen, hash: () => viewHash() ?? '', changed: () => address.changed(), galleries: () => galleries, onPicture: () => onPicture,
 });
 const galleries = new Galleries(viewer, () => controls);
-const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
 const onPicture = new OnPicture(viewer);
 const classes = new ClassList((word) => viewer.changeStyle({ classes: word }));
 const stations = new Stations(viewer.server, (station) => {
   viewer.goToPlace(station.view.camera);
-  photos.at(station);
+  tools.atStation(station);
 });
 
 // ---- what the viewer tells
@@ -118,7 +116,6 @@ on('cloud', (cloud) => {
   showLoading();
   showMethod();
   stations.show(cloud);
-  photos.show(cloud);
 });
 on('view', ({ by }) => {
   if (by !== 'hand') {

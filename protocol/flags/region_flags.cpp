@@ -19,12 +19,17 @@ void RegionFlags::addTo(CLI::App& app) {
         ->type_name("X,Y;X,Y;X,Y;...");
     app.add_option("--z", z, "Only points between these heights, both included")->type_name("LOW,HIGH");
     app.add_option("--classes", classes, "Only these classifications: 2,6")->type_name("N,N,...");
+    app.add_option(
+           "--filter", filter,
+           "Only points whose values of a kept column, of intensity or of classification lie in these "
+           "ranges, up to four, their ends included: return_number:1..1;gps_time:3600..")
+        ->type_name("NAME:LOW..HIGH;...");
 }
 
 Expected<PointsRegion> RegionFlags::region() const {
     PointsRegion region;
-    for (const auto& [word, text] :
-         {std::pair("clip", &clip), std::pair("clips", &clips), std::pair("classes", &classes)})
+    for (const auto& [word, text] : {std::pair("clip", &clip), std::pair("clips", &clips),
+                                     std::pair("classes", &classes), std::pair("filter", &filter)})
         if (!text->empty())
             if (auto ok = applyRegionWord(region, word, *text); !ok) return passOn(ok);
     if (!polygon.empty()) {

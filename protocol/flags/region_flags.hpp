@@ -9,7 +9,7 @@
 namespace scancast {
 
 struct RegionFlags {
-    std::string clip, clips, classes, polygon, z;
+    std::string clip, clips, classes, filter, polygon, z;
 
     /// `this` must outlive the parse.
     void addTo(CLI::App& app);

@@ -14,7 +14,7 @@
 namespace scancast {
 namespace {
 
-constexpr std::array<std::string_view, 3> regionWords{"clip", "clips", "classes"};
+constexpr std::array<std::string_view, 4> regionWords{"clip", "clips", "classes", "filter"};
 
 const ViewWord* regionWord(std::string_view name) {
     for (const ViewWord& word : viewWords())
@@ -25,6 +25,7 @@ const ViewWord* regionWord(std::string_view name) {
 void take(const View& view, std::string_view word, PointsRegion& region) {
     if (word == "clip") region.clip = view.style.clip;
     if (word == "clips") region.clips = view.style.clips;
+    if (word == "filter") region.filter = view.style.filter;
     if (word != "classes") return;
     region.classes.reset();
     if (!view.style.classes) return;
@@ -150,6 +151,7 @@ nlohmann::json toJson(const PointsRegion& region) {
     View view;
     view.style.clip = region.clip;
     view.style.clips = region.clips;
+    view.style.filter = region.filter;
     if (region.classes) {
         view.style.classes.emplace();
         for (unsigned c = 0; c < region.classes->size(); ++c)

@@ -28,10 +28,13 @@ struct PointsRegion {
     std::optional<ClipBox> clip{};              ///< its faces included
     ClipShapes clips{};                         ///< what these leave (clip_shapes.hpp); none: everything
     std::optional<std::bitset<256>> classes{};  ///< points without a class have 0
+    ColumnRanges filter{};                      ///< of columns' values; none: everything
     std::optional<PlanPolygon> polygon{};
     std::optional<std::array<double, 2>> z{};  ///< lowest and highest, both included
 
-    bool isEverything() const { return !clip && clips.empty() && !classes && !polygon && !z; }
+    bool isEverything() const {
+        return !clip && clips.empty() && !classes && filter.empty() && !polygon && !z;
+    }
 };
 
 /// Whether it is one: 3 to mostPolygonCorners corners, numbers. InvalidArgument.
@@ -43,7 +46,7 @@ bool isPlanPlace(const glm::dvec2& place);
 Expected<std::vector<glm::dvec2>> parsePlanPlaces(std::string_view text, std::string_view field);
 /// "LOW,HIGH". InvalidArgument.
 Expected<std::array<double, 2>> parseHeights(std::string_view text);
-/// The words of a view that a region is made of - clip, clips, classes - from their text. InvalidArgument, with the word as field.
+/// The words of a view that a region is made of - clip, clips, classes, filter - from their text. InvalidArgument, with the word as field.
 Expected<void> applyRegionWord(PointsRegion& region, std::string_view word, std::string_view text);
 
 /// The fields of a region's object; errors are the reader's.

@@ -14,7 +14,7 @@ Expected<void> validate(const View& view) {
 }
 
 std::string colorWord(const Style& style) {
-    return values::print(values::Color{style.color, style.flatColor, style.byIntensity});
+    return values::print(values::Color{style.color, style.flatColor, style.byIntensity, style.column});
 }
 
 }  // namespace scancast

@@ -18,6 +18,7 @@
 
 #include "protocol/error.hpp"
 #include "protocol/view/clip_shapes.hpp"
+#include "protocol/view/viewed_clouds.hpp"
 
 namespace scancast {
 
@@ -50,16 +51,18 @@ enum class ColorSource : std::uint8_t {
     Depth,
     Lod,
     Visibility,  ///< what hidden point removal finds; docs/spec/pyramid.md section 4.5
+    Cloud,       ///< each cloud of a view of several by a colour of its own (viewed_clouds.hpp)
     Flat,
+    Column,  ///< a kept column, by its name (Style::column)
 };
-/// Of all but Flat, which is #rrggbb on the wire.
-inline constexpr std::array<std::string_view, 11> colorSourceNames{
-    "auto",   "rgb",       "cir",   "intensity", "elevation", "classification",
-    "normal", "curvature", "depth", "lod",       "visibility"};
+/// Of all but Flat, which is #rrggbb on the wire, and Column, which is column:NAME.
+inline constexpr std::array<std::string_view, 12> colorSourceNames{
+    "auto",   "rgb",       "cir",   "intensity", "elevation",  "classification",
+    "normal", "curvature", "depth", "lod",       "visibility", "cloud"};
 /// Whether its brightness may follow intensity (`rgb*intensity`).
 constexpr bool takesIntensity(ColorSource source) {
     using enum ColorSource;
-    return source == Rgb || source == Elevation || source == Classification || source == Flat;
+    return source == Rgb || source == Elevation || source == Classification || source == Cloud || source == Flat;
 }
 inline constexpr std::array<std::string_view, 3> colormapNames{"viridis", "turbo", "grey"};
 enum class Shading : std::uint8_t { Unlit, Phong, EyeDome };
@@ -68,8 +71,6 @@ inline constexpr std::array<std::string_view, 3> shadingNames{"unlit", "phong", 
 /// What stands alone or in a small group, far from everything else (docs/spec/surfels.md section 8).
 enum class Outliers : std::uint8_t { Hide, Show };
 inline constexpr std::array<std::string_view, 2> outlierNames{"hide", "show"};
-
-using Rgb8 = std::array<std::uint8_t, 3>;
 
 struct Background {
     enum class Kind : std::uint8_t { Color, Gradient, Transparent };
@@ -106,16 +107,33 @@ struct ClipBox {
     bool operator==(const ClipBox&) const = default;
 };
 
+/// Of a kept column - or of `intensity`, `classification` -, the values that are drawn: inclusive, one end at least.
+struct ColumnRange {
+    std::string column;
+    std::optional<double> low, high;  ///< nullopt: as far as there is anything
+
+    /// NaN is in no range.
+    bool has(double value) const {
+        return (!low || value >= *low) && (!high || value <= *high) && value == value;
+    }
+    bool operator==(const ColumnRange&) const = default;
+};
+/// A point is drawn whose values lie in all of them.
+using ColumnRanges = std::vector<ColumnRange>;
+inline constexpr std::size_t mostColumnRanges = 4, longestColumnName = 256;
+
 struct Style {
     std::string method = "auto";
     ParameterValues parameters;
     ColorSource color = ColorSource::Auto;
     Rgb8 flatColor{255, 255, 255};               ///< for ColorSource::Flat (`color=#rrggbb`)
+    std::string column;                          ///< for ColorSource::Column (`color=column:NAME`)
     bool byIntensity = false;                    ///< brighter where intensity is (`color=rgb*intensity`)
     std::optional<double> exposure;              ///< of rgb: stops, -3 … 3; nullopt = the cloud's
     std::string colormap = "viridis";            ///< of colormapNames
     std::optional<std::array<double, 2>> range;  ///< values at the colour map's ends; nullopt = the cloud's
     std::optional<std::vector<std::uint8_t>> classes;  ///< draw these classifications only
+    ColumnRanges filter;                               ///< draw what lies in these ranges only; none: everything
     std::optional<ClipBox> clip;                       ///< draw inside this box only
     ClipShapes clips;                                  ///< and what these leave; none: everything
     std::optional<Shading> shading;                    ///< nullopt = the method's default
@@ -144,6 +162,7 @@ struct View {
     int width = 1280;  ///< px, 1–16384
     int height = 720;
     Style style;
+    ViewedClouds with;  ///< what is shown together with the cloud
     Quality quality;
     bool operator==(const View&) const = default;
 };
@@ -163,6 +182,7 @@ constexpr std::string_view name(Projection projection) {
     return projectionNames[std::size_t(projection)];
 }
 constexpr std::string_view name(ColorSource source) {
+    if (source == ColorSource::Column) return "column";
     return source == ColorSource::Flat ? "flat" : colorSourceNames[std::size_t(source)];
 }
 constexpr std::string_view name(Shading shading) {

@@ -83,6 +83,12 @@ bool isParameterName(std::string_view text) {
     });
 }
 
+bool isCloudName(std::string_view text) {
+    return !text.empty() && text.size() <= longestCloudName && std::ranges::none_of(text, [](char c) {
+        return c == ',' || c == ';' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    });
+}
+
 }  // namespace
 
 Expected<void> coordinates(std::string_view word, const glm::dvec3& value) {
@@ -126,6 +132,22 @@ Expected<void> clipShapes(std::string_view word, const ClipShapes& shapes) {
     return {};
 }
 
+Expected<void> viewedClouds(std::string_view word, const ViewedClouds& clouds) {
+    if (clouds.size() > mostViewedClouds)
+        return invalid(
+            word, std::string(word) + ": there are more than " + std::to_string(mostViewedClouds) + " clouds");
+    if (std::ranges::count(clouds, ownCloudName, &ViewedCloud::cloud) > 1)
+        return invalid(word, std::string(word) + ": the view's own cloud, \".\", stands there twice");
+    for (const ViewedCloud& one : clouds) {
+        if (!isCloudName(one.cloud))
+            return invalid(word, std::string(word) + ": " + quoteText(one.cloud) +
+                                     " is no cloud's name; one has 1 to 255 bytes, without commas, "
+                                     "semicolons and control characters");
+        if (auto ok = coordinates(word, one.shift); !ok) return ok;
+    }
+    return {};
+}
+
 Expected<void> ends(std::string_view word, const std::array<double, 2>& range) {
     const auto [low, high] = range;
     if (std::isfinite(low) && std::isfinite(high) && low < high) return {};
@@ -147,7 +169,34 @@ Expected<void> method(std::string_view word, const std::string& name) {
     return invalid(word, "a method's name has 1 to 64 characters");
 }
 
+namespace {
+
+Expected<void> columnName(std::string_view word, std::string_view name) {
+    if (!name.empty() && name.size() <= longestColumnName) return {};
+    return invalid(word, std::string(word) + ": a column's name has 1 to " +
+                             std::to_string(longestColumnName) + " bytes");
+}
+
+}  // namespace
+
+Expected<void> columnRanges(std::string_view word, const ColumnRanges& ranges) {
+    if (ranges.size() > mostColumnRanges)
+        return invalid(
+            word, std::string(word) + ": there are more than " + std::to_string(mostColumnRanges) + " ranges");
+    for (const ColumnRange& range : ranges) {
+        if (auto ok = columnName(word, range.column); !ok) return ok;
+        const std::string what = std::string(word) + ": the range of " + quoteText(range.column);
+        if (!range.low && !range.high) return invalid(word, what + " has neither a low nor a high end");
+        for (const auto& end : {range.low, range.high})
+            if (end && !std::isfinite(*end)) return invalid(word, what + " has an end that is not finite");
+        if (range.low && range.high && *range.low > *range.high)
+            return invalid(word, what + " has its low end above its high one");
+    }
+    return {};
+}
+
 Expected<void> color(std::string_view word, const Style& style) {
+    if (style.color == ColorSource::Column) return columnName(word, style.column);
     if (const auto known = values::parse<values::Color>(colorWord(style)); !known)
         return invalid(word, known.error());
     return {};

@@ -177,6 +177,7 @@ ViewValue color() {
         view.style.color = color.source;
         view.style.flatColor = color.flat;
         view.style.byIntensity = color.byIntensity;
+        view.style.column = color.column;
     };
     ViewValue made;
     made.parse = [=](View& view, auto, std::string_view text) {
@@ -242,12 +243,13 @@ const std::vector<ViewWord>& table() {
         {"param.NAME", "param", "NAME=VALUE", "A parameter of the method; may be given once for each.",
          "sizePx=5", parameters()},
         {"color", "color",
-         "auto|rgb|cir|intensity|elevation|classification|normal|curvature|depth|lod|visibility|#rrggbb|"
-         "COLOR*intensity",
+         "auto|rgb|cir|intensity|elevation|classification|normal|curvature|depth|lod|visibility|cloud|column:NAME|"
+         "#rrggbb|COLOR*intensity",
          "Where colours come from, or one colour for everything (the # may be left out); auto takes the "
-         "cloud's best. rgb, elevation, classification and #rrggbb get brighter with intensity by "
+         "cloud's best. rgb, elevation, classification, cloud and #rrggbb get brighter with intensity by "
          "*intensity. cir is colour infrared: near infrared as red, red as green, green as blue. visibility "
-         "tells hidden points from visible ones, with method pyramid.",
+         "tells hidden points from visible ones, with method pyramid. cloud gives each cloud of several (with) "
+         "a colour of its own. column:NAME is a column that the cloud keeps.",
          "elevation", color()},
         {"exposure", "exposure", "STOPS|auto",
          "How much brighter the points' own colours are drawn, by powers of two; auto leaves it to the "
@@ -263,6 +265,13 @@ const std::vector<ViewWord>& table() {
         {"classes", "classes", "N,N,...|auto",
          "Draw these classifications only; none draws nothing, auto draws all.", "2,6",
          value([](auto& v) -> auto& { return v.style.classes; })},
+        {"filter", "filter", "NAME:LOW..HIGH;NAME:LOW..HIGH;...|auto",
+         "Draw only points whose values of a kept column, of intensity or of classification lie in the range, "
+         "its ends included; LOW or HIGH may be left out, and up to four ranges all have to hold; auto draws "
+         "everything. In a NAME, ; is written %3B and % is written %25.",
+         "return_number:1..1;gps_time:3600..",
+         value(
+             [](auto& v) -> auto& { return v.style.filter; }, checks::columnRanges)},
         {"clip", "clip", "X0,Y0,Z0,X1,Y1,Z1|auto",
          "Draw what lies inside this box only; auto draws everything.", "0,0,0,10,10,5",
          value(
@@ -321,6 +330,13 @@ const std::vector<ViewWord>& table() {
         {"background", "background", "transparent|#rrggbb|#rrggbb,#rrggbb",
          "Behind the points: nothing (PNG), one colour, or a gradient from top to bottom.", "#ffffff",
          value([](auto& v) -> auto& { return v.style.background; })},
+        {"with", "with", "CLOUD[,shift:DX:DY:DZ][,tint:RRGGBB][,hidden];...|auto",
+         "Show up to 64 other clouds of the same coordinate system together with this one, each moved, tinted or "
+         "hidden; . is the cloud itself, auto shows it alone. A tint multiplies a cloud's own colours, and is the "
+         "colour of one that has none.",
+         ".,tint:ff8800;town-2024,shift:0:0:0.12;town-2019,hidden",
+         value(
+             [](auto& v) -> auto& { return v.with; }, checks::viewedClouds)},
         {"detail", "detail", "PIXELS|auto",
          "How fine: the distance of neighbouring samples on screen down to which the cloud is refined.", "1",
          number([](auto& v) -> auto& { return v.quality.detail; }, {0, 1024, "lie between 0 and 1024 px"})},

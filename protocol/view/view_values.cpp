@@ -39,9 +39,11 @@ void makeSet(std::vector<std::uint8_t>& classes) {
     classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
 }
 
+constexpr std::string_view columnPrefix = "column:";
+
 Parsed<Color> parseOneColor(std::string_view text) {
     if (const auto flat = parse<Rgb8>(text)) return Color{ColorSource::Flat, *flat};
-    return chooseEnum<ColorSource>(text, colorSourceNames, " or one colour as #rrggbb")
+    return chooseEnum<ColorSource>(text, colorSourceNames, ", column:NAME or one colour as #rrggbb")
         .map([](ColorSource source) { return Color{source}; });
 }
 
@@ -156,6 +158,9 @@ Parsed<Rgb8> parse(As<Rgb8>, std::string_view text) {
 }
 
 Parsed<Color> parse(As<Color>, std::string_view text) {
+    // The rest is the column's name, whatever stands in it.
+    if (text.starts_with(columnPrefix))
+        return Color{ColorSource::Column, {255, 255, 255}, false, std::string(text.substr(columnPrefix.size()))};
     const auto star = text.find('*');
     auto color = parseOneColor(text.substr(0, star));
     if (!color || star == std::string_view::npos) return color;
@@ -164,8 +169,8 @@ Parsed<Color> parse(As<Color>, std::string_view text) {
                               quoteText(text));
     if (!takesIntensity(color->source))
         return tl::unexpected(quoteText(text) +
-                              " is no colour; rgb, elevation, classification and #rrggbb may be multiplied "
-                              "by intensity");
+                              " is no colour; rgb, elevation, classification, cloud and #rrggbb may be "
+                              "multiplied by intensity");
     color->byIntensity = true;
     return color;
 }
@@ -274,6 +279,7 @@ std::string print(Rgb8 color) {
 }
 
 std::string print(const Color& color) {
+    if (color.source == ColorSource::Column) return std::string(columnPrefix).append(color.column);
     const auto source =
         color.source == ColorSource::Flat ? print(color.flat) : std::string(name(color.source));
     return color.byIntensity ? source + "*intensity" : source;

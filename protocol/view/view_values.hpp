@@ -23,6 +23,7 @@ struct Color {
     ColorSource source = ColorSource::Auto;
     Rgb8 flat{255, 255, 255};  ///< Flat only
     bool byIntensity = false;
+    std::string column{};  ///< Column only
 };
 
 template <class T>
@@ -33,6 +34,8 @@ Parsed<double> parse(As<double>, std::string_view text);
 Parsed<glm::dvec3> parse(As<glm::dvec3>, std::string_view text);
 Parsed<ClipBox> parse(As<ClipBox>, std::string_view text);
 Parsed<ClipShapes> parse(As<ClipShapes>, std::string_view text);  ///< with ; between them, or "auto"
+Parsed<ColumnRanges> parse(As<ColumnRanges>, std::string_view text);  ///< with ; between them, or "auto"
+Parsed<ViewedClouds> parse(As<ViewedClouds>, std::string_view text);  ///< with ; between them, or "auto"
 Parsed<Projection> parse(As<Projection>, std::string_view text);
 Parsed<Shading> parse(As<Shading>, std::string_view text);
 Parsed<Outliers> parse(As<Outliers>, std::string_view text);
@@ -43,7 +46,7 @@ Parsed<Color> parse(As<Color>, std::string_view text);
 Parsed<Background> parse(As<Background>,
                          std::string_view text);  ///< "transparent", one colour, or "TOP,BOTTOM"
 Parsed<std::vector<std::uint8_t>> parse(As<std::vector<std::uint8_t>>,
-                                        std::string_view text);  ///< classes, or "none"
+                                        std::string_view text);  ///< classes, or "auto"
 Parsed<ParameterValue> parse(As<ParameterValue>, std::string_view text);
 /// As many numbers as there is room for; what is there after an error means nothing.
 tl::expected<void, std::string> parseNumbers(std::string_view text, std::span<double> out);
@@ -63,6 +66,8 @@ Parsed<std::string> parseColormap(std::string_view text);
 /// returns whether it was set.
 bool read(FieldReader& fields, std::string_view key, ClipBox& out);
 bool read(FieldReader& fields, std::string_view key, ClipShapes& out);  ///< null is none
+bool read(FieldReader& fields, std::string_view key, ColumnRanges& out);  ///< null is none
+bool read(FieldReader& fields, std::string_view key, ViewedClouds& out);  ///< null is none
 bool read(FieldReader& fields, std::string_view key, Background& out);  ///< null is the default
 bool read(FieldReader& fields, std::string_view key, std::vector<std::uint8_t>& out);
 bool read(FieldReader& fields, std::string_view key, ParameterValues& out);  ///< null removes a parameter
@@ -109,6 +114,8 @@ std::string print(const Color& color);
 nlohmann::json print(const Background& background);
 nlohmann::json print(const ClipBox& box);
 nlohmann::json print(const ClipShapes& shapes);
+nlohmann::json print(const ColumnRanges& ranges);
+nlohmann::json print(const ViewedClouds& clouds);
 nlohmann::json print(const ParameterValues& parameters);
 inline nlohmann::json print(const glm::dvec3& vector) {
     return jsonArray(vector);

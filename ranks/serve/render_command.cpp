@@ -96,6 +96,9 @@ Expected<void> renderAsFirst(const Communicator& ranks, const std::shared_ptr<Sh
     clouds->know(*cloud);
     auto view = applyWords(defaultView(**cloud), *words);
     if (!view) return passOn(view);
+    if (!view->with.empty())
+        return fail(ErrorCode::Unsupported,
+                    "with: ranks draw one cloud at a time; scancast render shows several together", "with");
     RanksTimes times;
     auto device = createRanksDevice(ranks, clouds, threads, times.traffic);
     if (!device) return passOn(device);

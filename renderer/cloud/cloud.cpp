@@ -77,6 +77,10 @@ bool hasNearInfrared(const CloudFacts& facts) {
     return std::ranges::find(facts.companions, nearInfraredPlane()) != facts.companions.end();
 }
 
+ValuePlane innerPlane(const Column& column) {
+    return {"inner:" + column.name, column.type, ValuePlane::Of::Samples};
+}
+
 std::vector<ValuePlane> planesOf(const CloudFacts& facts) {
     std::vector<ValuePlane> planes;
     for (const KeptColumn& kept : facts.columns)

@@ -30,11 +30,22 @@ struct Mirror {
     Rgb8 tint{255, 255, 255};
 };
 
+/// How many values lie in each of equal parts of a range. Those beyond it are in none.
+struct ValueHistogram {
+    double low = 0, high = 0;           ///< ends of the first and of the last part; low < high
+    std::vector<std::uint64_t> counts;  ///< 1 to mostBins
+    static constexpr std::size_t mostBins = 64;
+    bool operator==(const ValueHistogram&) const = default;
+};
+
 /// A kept column and the range of its values (scaled).
 struct KeptColumn {
     Column column;
     std::array<double, 2> range{0, 0};
     std::optional<std::array<double, 2>> usual{};  ///< 1st and 99th percentile; nullopt: not known
+    /// Over `usual`, or `range` where that is a point; of whole numbers of which there are at most 64, one part each, in the
+    /// middle of which the number lies. nullopt: not known.
+    std::optional<ValueHistogram> histogram{};
     bool operator==(const KeptColumn&) const = default;
 };
 
@@ -110,6 +121,7 @@ struct CloudFacts {
     Attributes attributes;               ///< those that tell points apart
     ConstantValues constant;
     std::array<std::uint16_t, 2> intensityRange{0, 65535};
+    std::optional<ValueHistogram> intensityHistogram;  ///< as a kept column's; nullopt: not known
     std::array<std::uint64_t, 256> classCounts{};
     std::string crsWkt;
     std::optional<int> crsEpsg;
@@ -146,6 +158,10 @@ ValuePlane nearInfraredPlane();
 /// Whether samples carry that; Attributes::nearInfrared says the same.
 bool hasNearInfrared(const CloudFacts& facts);
 
+/// The companion with inner nodes' values of a kept column: of each sample, the value of the scan's point that is nearest.
+/// Leaves have none of it: theirs is the column itself.
+ValuePlane innerPlane(const Column& column);
+
 /// All values beside the samples: each column's, in their order, then the companions.
 std::vector<ValuePlane> planesOf(const CloudFacts& facts);
 
@@ -156,8 +172,12 @@ std::vector<std::string> remarksOn(const CloudFacts& facts);
 /// Changes whenever a picture of the cloud could, with its look: that decides what views leave open.
 std::string pictureRevision(const CloudFacts& facts);
 
+struct Together;
+
 struct Cloud : CloudFacts {
     Octree octree;
+    /// Of several clouds in one view: which, and whose nodes are whose (renderer/together/together.hpp); else empty.
+    std::shared_ptr<const Together> together{};
 
     /// Looks at the whole cloud from the south-east, 30° down. Z is up, but for models that plainly stand on
     /// y = 0.

@@ -14,6 +14,13 @@ std::vector<std::uint64_t> firstOfRuns(const std::vector<Node>& nodes, std::uint
     return first;
 }
 
+/// Breadth first, the first child of all comes right behind the roots.
+std::uint32_t rootsOf(const std::vector<Node>& nodes) {
+    for (const Node& n : nodes)
+        if (!n.isLeaf()) return n.firstChild;
+    return static_cast<std::uint32_t>(nodes.size());
+}
+
 }  // namespace
 
 std::uint64_t newSource() {
@@ -22,13 +29,16 @@ std::uint64_t newSource() {
 }
 
 Octree::Octree(std::vector<Node> nodes, std::vector<Sample> samples, std::vector<BesideWord> beside)
-    : nodes_(std::move(nodes)), sampleCount_(samples.size()), source_(newSource()) {
+    : nodes_(std::move(nodes)), sampleCount_(samples.size()), source_(newSource()), roots_(rootsOf(nodes_)) {
     auto first = firstOfRuns(nodes_, samples.size());
     store_ = memoryStore(std::move(samples), std::move(first), std::move(beside));
 }
 
-Octree::Octree(std::vector<Node> nodes, std::shared_ptr<SampleStore> store)
-    : nodes_(std::move(nodes)), store_(std::move(store)), source_(newSource()) {
+Octree::Octree(std::vector<Node> nodes, std::shared_ptr<SampleStore> store, std::uint64_t source)
+    : nodes_(std::move(nodes)),
+      store_(std::move(store)),
+      source_(source > 0 ? source : newSource()),
+      roots_(rootsOf(nodes_)) {
     for (const Node& n : nodes_) sampleCount_ += n.sampleCount;
 }
 

@@ -69,23 +69,27 @@ struct Node {
 /// A number that nothing in this process had before; > 0. From any thread.
 std::uint64_t newSource();
 
-/// Nodes in breadth-first order, root at 0, and the store that their samples are in. Same input → same nodes
-/// and samples, on any number of threads.
+/// Nodes in breadth-first order, and the store that their samples are in: the root first, or, of several clouds
+/// together, all roots (renderer/together). Same input → same nodes and samples, on any number of threads.
 class Octree {
   public:
     Octree() = default;
     /// Everything in memory, in the order of firstSample.
     /// `beside`: of all samples, or empty.
     Octree(std::vector<Node> nodes, std::vector<Sample> samples, std::vector<BesideWord> beside = {});
-    /// Samples come from a store that knows these nodes by their index.
-    Octree(std::vector<Node> nodes, std::shared_ptr<SampleStore> store);
+    /// Samples come from a store that knows these nodes by their index. `source`: of another octree, whose nodes
+    /// have the same samples as these, only lying elsewhere; 0 = a new one.
+    Octree(std::vector<Node> nodes, std::shared_ptr<SampleStore> store, std::uint64_t source = 0);
 
     std::span<const Node> nodes() const { return nodes_; }
     const Node& node(std::uint32_t index) const { return nodes_[index]; }
+    /// So many of the first nodes are roots: nobody's children, and all others are below them. 0: there are no nodes.
+    std::uint32_t roots() const { return roots_; }
     /// The node's samples, loaded if need be and kept while the result lives. For tools and tests, which want
     /// whole clouds; drawing goes through provide() (renderer/residency). Errors: the store's.
     Expected<SampleRun> run(std::uint32_t index) const { return store_->load(index); }
     SampleStore& store() const { return *store_; }
+    const std::shared_ptr<SampleStore>& sharedStore() const { return store_; }
     /// Tells this octree (and its copies, which are alike) from all others that there were and will be: who
     /// keeps samples knows them by source and node. 0: it has no nodes.
     std::uint64_t source() const { return source_; }
@@ -98,6 +102,7 @@ class Octree {
     std::shared_ptr<SampleStore> store_;
     std::uint64_t sampleCount_ = 0;
     std::uint64_t source_ = 0;
+    std::uint32_t roots_ = 0;
 };
 
 /// Sample position, cloud-relative.

@@ -90,7 +90,7 @@ constexpr std::string_view name(ColumnType type) {
 }
 
 /// What a scan knows of its points beyond the sample: GPS time, returns, a file's extra bytes. Kept beside
-/// the samples on request, never drawn. Value = offset + scale · stored number.
+/// the samples on request; a view may be coloured and filtered by it (renderer/cloud/columns). Value = offset + scale · stored number.
 struct Column {
     std::string name;  ///< "gps_time", "return_number" …, or the file's own word
     ColumnType type = ColumnType::Float64;

@@ -26,6 +26,9 @@ class MemoryStore final : public SampleStore {
         firstLimits_.push_back(limits_.size());
     }
 
+    ~MemoryStore() override { gate_->close(); }
+    std::shared_ptr<StoreGate> gate() const override { return gate_; }
+
     // Whoever asks holds the octree, and with it this store: nothing needs to be kept.
     std::optional<SampleRun> find(std::uint32_t node) override { return run(node); }
     Expected<SampleRun> load(std::uint32_t node, std::stop_token) override { return run(node); }
@@ -62,6 +65,7 @@ class MemoryStore final : public SampleStore {
     const std::vector<std::uint64_t> first_;
     std::vector<SampleLimits> limits_;
     std::vector<std::size_t> firstLimits_;  ///< by run
+    const std::shared_ptr<StoreGate> gate_ = std::make_shared<StoreGate>(*this);
 };
 
 }  // namespace

@@ -7,17 +7,21 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <shared_mutex>
 #include <span>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "protocol/error.hpp"
+#include "renderer/cloud/derived_octrees.hpp"
 #include "renderer/cloud/sample.hpp"
 #include "renderer/cloud/sample_limits.hpp"
 
 namespace scancast {
 
 class CloudFile;
+class StoreGate;
 
 /// The samples of one node, in memory as long as this lives.
 struct SampleRun {
@@ -63,6 +67,37 @@ class SampleStore {
     virtual std::uint64_t bytesResident() const = 0;
     /// The cloud file whose samples these are, with everything that it has beside them; empty where there is none.
     virtual std::shared_ptr<const CloudFile> cloudFile() const { return nullptr; }
+    /// Octrees that were made of this one's samples for views, kept as long as this lives, those used last.
+    DerivedOctrees& derived() { return derived_; }
+    /// How what is made of its samples asks for them without keeping it; nullptr: nothing can be made of them, because they are not all
+    /// in this process.
+    virtual std::shared_ptr<StoreGate> gate() const { return nullptr; }
+
+  private:
+    DerivedOctrees derived_;
+};
+
+/// A way to a store that does not keep it: what is made of a store's samples is kept by it, and must not keep it in turn - nor be
+/// the last to let go of it, on a thread that it owns. Any thread.
+class StoreGate {
+  public:
+    explicit StoreGate(SampleStore& store) : store_(&store) {}
+
+    /// What `use` makes of the store, which lives at least until it returns; `otherwise` once it is gone.
+    template <class T, class Use>
+    T with(Use use, T otherwise) const {
+        const std::shared_lock lock(guard_);
+        return store_ == nullptr ? std::move(otherwise) : T(use(*store_));
+    }
+    /// First thing in the store's destructor: returns when nobody uses it any more.
+    void close() {
+        const std::unique_lock lock(guard_);
+        store_ = nullptr;
+    }
+
+  private:
+    mutable std::shared_mutex guard_;
+    SampleStore* store_;
 };
 
 /// Everything in memory: run i is samples[first[i]] … samples[first[i + 1] - 1].

@@ -12,8 +12,10 @@
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/exact_places.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/residency/pictured_octree.hpp"
 #include "renderer/select/viewpoint.hpp"
 #include "renderer/style.hpp"
+#include "renderer/together/together.hpp"
 
 namespace scancast {
 
@@ -86,7 +88,8 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
     Nearest best;
     using Entry = std::pair<double, std::uint32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    if (!octree.nodes().empty()) queue.emplace(distanceToBox(octree.node(0), place), 0);
+    for (std::uint32_t root = 0; root < octree.roots(); ++root)
+        queue.emplace(distanceToBox(octree.node(root), place), root);
     while (!queue.empty() && queue.top().first <= best.distance) {
         const std::uint32_t index = queue.top().second;
         queue.pop();
@@ -105,10 +108,10 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
 }
 
 /// All that is known of it: from its file, or, in memory, what its sample says.
-Expected<KeptPoint> keptPoint(const Cloud& cloud, const Nearest& found) {
-    const Node& node = cloud.octree.node(found.node);
+Expected<KeptPoint> keptPoint(const Cloud& cloud, const Octree& octree, const Nearest& found) {
+    const Node& node = octree.node(found.node);
     KeptPoint point;
-    if (const auto file = cloud.octree.store().cloudFile()) {
+    if (const auto file = octree.store().cloudFile()) {
         auto kept = file->point(found.node, found.run.samples, found.index);
         if (!kept) return kept;
         point = std::move(*kept);
@@ -125,6 +128,17 @@ Expected<KeptPoint> keptPoint(const Cloud& cloud, const Nearest& found) {
         for (int axis = 0; axis < 3; ++axis)
             point.position[axis] = withoutNoise(point.position[axis], point.precision[axis]);
     return point;
+}
+
+/// Of several clouds, the one that has it, where `found` is then.
+Expected<Picked::Of> ownerOf(const Together& together, Nearest& found, const std::stop_token& stop) {
+    const Together::Place& place = together.places[found.node];
+    const TogetherMember& member = together.members[place.member];
+    auto run = member.cloud->octree.store().load(place.node, stop);
+    if (!run) return passOn(std::move(run));
+    found.node = place.node;
+    found.run = std::move(*run);
+    return Picked::Of{member.cloud, member.name, member.shift};
 }
 
 double radiusOf(const Cloud& cloud, const Node& node, const Sample& sample) {
@@ -149,15 +163,26 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     const auto place = placeUnder(cloud, view, pixel, depth);
     if (!place) return passOn(place);
     if (view.style.mirrors && isGlass(cloud, *place, depth)) return std::nullopt;
-    const auto nearest = nearestLeafSample(cloud.octree, *place, sampleFilter(cloud, view.style), stop);
+    Style filtered = view.style;
+    filtered.color = ColorSource::Auto;  // else samples would have a column's values for intensities
+    const auto pictured = picturedOctree(cloud, filtered);
+    if (!pictured) return passOn(pictured);
+    const Octree& octree = *pictured ? **pictured : cloud.octree;
+    auto nearest = nearestLeafSample(octree, *place, sampleFilter(cloud, view.style), stop);
     if (!nearest) return passOn(nearest);
     if (nearest->node == noNode) return std::nullopt;
-    auto point = keptPoint(cloud, *nearest);
-    if (!point) return passOn(std::move(point));
     Picked picked;
+    if (cloud.together) {
+        auto owner = ownerOf(*cloud.together, *nearest, stop);
+        if (!owner) return passOn(std::move(owner));
+        picked.of = std::move(*owner);
+    }
+    const Cloud& own = picked.of ? *picked.of->cloud : cloud;
+    auto point = keptPoint(own, picked.of ? own.octree : octree, *nearest);
+    if (!point) return passOn(std::move(point));
     picked.point = std::move(*point);
     picked.sample = nearest->sample();
-    picked.radius = radiusOf(cloud, cloud.octree.node(nearest->node), picked.sample);
+    picked.radius = radiusOf(own, own.octree.node(nearest->node), picked.sample);
     picked.depth = depth;
     picked.distance = nearest->distance;
     return picked;

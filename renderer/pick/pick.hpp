@@ -9,8 +9,10 @@
 #pragma once
 
 #include <glm/vec2.hpp>
+#include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/file/kept_point.hpp"
@@ -26,6 +28,13 @@ struct Picked {
     double radius = 0;    ///< of its surfel, cloud units; 0 = it has none
     double depth = 0;     ///< of the surface under the pixel, cloud units
     double distance = 0;  ///< from there to the point, cloud units
+    /// Of several clouds together, whose point it is: what is said of it is as that cloud has it, unmoved and untinted.
+    struct Of {
+        std::shared_ptr<const Cloud> cloud;
+        std::string name;      ///< as the view calls it
+        glm::dvec3 shift{0};  ///< by which it is seen elsewhere
+    };
+    std::optional<Of> of{};
 };
 
 /// Cloud-relative place of a pixel's centre at that depth. Errors: those of Viewpoint::create().

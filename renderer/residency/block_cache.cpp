@@ -117,7 +117,11 @@ class ResidentStore final : public SampleStore {
   public:
     ResidentStore(std::shared_ptr<Cache> cache, std::shared_ptr<CachedCloud> cloud)
         : cache_(std::move(cache)), cloud_(std::move(cloud)), tables_(cache_->reserve(tableBytes())) {}
-    ~ResidentStore() override { cache_->remove(*cloud_); }
+    ~ResidentStore() override {
+        gate_->close();
+        cache_->remove(*cloud_);
+    }
+    std::shared_ptr<StoreGate> gate() const override { return gate_; }
 
     std::optional<SampleRun> find(std::uint32_t node) override { return cache_->find(*cloud_, node); }
     std::vector<std::optional<SampleRun>> findAll(std::span<const std::uint32_t> nodes) override {
@@ -155,6 +159,7 @@ class ResidentStore final : public SampleStore {
     const std::shared_ptr<Cache> cache_;
     const std::shared_ptr<CachedCloud> cloud_;
     const std::shared_ptr<const void> tables_;
+    const std::shared_ptr<StoreGate> gate_ = std::make_shared<StoreGate>(*this);
 };
 
 std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
@@ -175,6 +180,11 @@ std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
         pins.push_back({node, -double(node)});
     }
     auto store = std::make_shared<ResidentStore>(shared_from_this(), cloud);
+    store->derived().setStoreMaker(
+        [cache = weak_from_this()](std::shared_ptr<const CloudFile> made) -> std::shared_ptr<SampleStore> {
+            const auto there = cache.lock();
+            return there ? there->add(std::move(made)) : nullptr;
+        });
     store->request(pinsRequester, std::move(pins));
     return store;
 }
@@ -372,7 +382,7 @@ void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::sh
 Cache::Loaded Cache::read(const CachedCloud& cloud, std::uint32_t node, std::shared_ptr<Block> room) const {
     auto samples = cloud.file->samples(node);
     if (!samples) return passOn(std::move(samples));
-    if (cloud.file->isNative()) {
+    if (cloud.file->countsVary()) {
         // Its index estimates; what is really there counts.
         const std::uint64_t bytes = BlockTable::bytesFor(cloud, samples->size());
         if (bytes != room->bytes()) room = std::make_shared<Block>(table_.meter(), bytes);

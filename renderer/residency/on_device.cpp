@@ -38,7 +38,7 @@ class DeviceProvision {
             for (const CutRun& run : cut->runs)
                 runs_.give(run.nodeIndex, {run.samples, run.limits, {}, run.beside});
         // In this order: what must be there, what is there and wanted, what is to come.
-        add(0);
+        for (std::uint32_t root = 0; root < octree_.roots(); ++root) add(root);
         for (const Cut* cut : cuts_)
             for (const CutRun& run : cut->runs) addStandIn(run.nodeIndex);
         for (const Cut* cut : cuts_)

@@ -14,7 +14,7 @@ namespace scancast {
 /// The cuts of one picture, at least one, all of this octree, with their samples, all or none with what stands beside those. Moves to
 /// the device what it lacks of them, within its budget for a frame, most urgent first, as provide() asks for blocks; whole runs that
 /// are not there even so are replaced by ancestors, by provide()'s rule, and counted as missing. Something
-/// always gets there, and the root always is, so there are no holes, and each picture of a view that rests
+/// always gets there, and the roots always are, so there are no holes, and each picture of a view that rests
 /// has more than the one before, until all of it is there. On the device's thread. Errors: those of
 /// DeviceMemory::bring().
 Expected<void> provideOnDevice(const Octree& octree, std::span<Cut* const> cuts, DeviceMemory& memory,

@@ -189,7 +189,8 @@ class Selection {
     /// index.
     void refineAll(double detail) {
         std::vector<Visit> queue;
-        if (!culled(octree_.node(0))) queue.push_back({0, 1, false});
+        for (std::uint32_t root = 0; root < octree_.roots(); ++root)
+            if (!culled(octree_.node(root))) queue.push_back({root, 1, false});
         for (std::size_t at = 0; at < queue.size(); ++at) {
             const Visit visit = queue[at];
             const Node& n = octree_.node(visit.index);
@@ -233,7 +234,8 @@ class Selection {
             else
                 chosen.push_back(index);
         };
-        if (!culled(octree_.node(0))) enter(0);
+        for (std::uint32_t root = 0; root < octree_.roots(); ++root)
+            if (!culled(octree_.node(root))) enter(root);
         while (!queue.empty()) {
             const Node& n = octree_.node(queue.top().index);
             const std::vector<std::uint32_t> children = visibleChildren(n);
@@ -280,13 +282,16 @@ class Selection {
     /// The τ at which, coming from coarse ones, the budget is used up.
     double affordableDetail(std::uint64_t budget) {
         std::priority_queue<Change> changes;
-        std::uint64_t samples = octree_.node(0).sampleCount;
+        std::uint64_t samples = 0;
         const auto enter = [&](std::uint32_t index, double parentsDetail) {
             const Node& n = octree_.node(index);
             const double spacing = projected(n);
             if (wantsRefining(n, spacing)) changes.push({std::min(spacing, parentsDetail), false, index});
         };
-        enter(0, std::numeric_limits<double>::infinity());
+        for (std::uint32_t root = 0; root < octree_.roots(); ++root) {
+            samples += octree_.node(root).sampleCount;
+            enter(root, std::numeric_limits<double>::infinity());
+        }
         while (!changes.empty()) {
             const Change change = changes.top();
             changes.pop();

@@ -102,6 +102,7 @@ bool Catalog::remove(std::string_view id) {
     if (at == entries_.end()) return false;
     last = std::move(*at);
     entries_.erase(at);
+    together_.forget(last.cloud.get());
     settleLocked();
     return true;
 }
@@ -124,6 +125,7 @@ void Catalog::setReady(std::string_view id, std::shared_ptr<const Cloud> cloud) 
         entry->stage.clear();
         entry->progress.reset();
         entry->error.clear();
+        together_.forget(entry->cloud.get());
         entry->cloud.swap(cloud);  // a large one takes its time to go
         settleLocked();
     }
@@ -146,6 +148,7 @@ bool Catalog::replace(std::string_view id, const std::shared_ptr<const Cloud>& n
     if (entry->state != (now ? CloudState::Ready : CloudState::Failed)) return false;
     entry->state = then ? CloudState::Ready : CloudState::Failed;
     entry->error = then ? std::string() : std::move(then.error().message);
+    together_.forget(entry->cloud.get());
     if (then)
         entry->cloud.swap(*then);  // a large one takes its time to go
     else
@@ -156,7 +159,9 @@ bool Catalog::replace(std::string_view id, const std::shared_ptr<const Cloud>& n
 void Catalog::setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud) {
     const std::lock_guard lock(mutex_);
     CatalogEntry* entry = findLocked(id);
-    if (entry != nullptr && entry->state == CloudState::Loading) entry->cloud = std::move(cloud);
+    if (entry == nullptr || entry->state != CloudState::Loading) return;
+    together_.forget(entry->cloud.get());
+    entry->cloud = std::move(cloud);
 }
 
 void Catalog::setFailed(std::string_view id, std::string reason) {
@@ -165,6 +170,7 @@ void Catalog::setFailed(std::string_view id, std::string reason) {
         entry->state = CloudState::Failed;
         entry->stage.clear();
         entry->progress.reset();
+        together_.forget(entry->cloud.get());
         entry->cloud.reset();
         entry->error = std::move(reason);
         settleLocked();
@@ -180,6 +186,7 @@ void Catalog::setLive(std::string_view id, LiveStatus status, std::shared_ptr<co
     entry->state = CloudState::Ready;
     entry->stage.clear();
     entry->error.clear();
+    together_.forget(entry->cloud.get());
     entry->cloud.swap(cloud);  // a large one takes its time to go
     settleLocked();
 }
@@ -228,6 +235,21 @@ bool Catalog::isLive(std::string_view id) const {
     const std::lock_guard lock(mutex_);
     const CatalogEntry* entry = findLocked(id);
     return entry != nullptr && entry->live;
+}
+
+bool Catalog::showsNow(const Cloud* cloud) const {
+    const std::lock_guard lock(mutex_);
+    return std::ranges::any_of(entries_, [&](const auto& entry) { return entry.cloud.get() == cloud; });
+}
+
+Expected<std::shared_ptr<const Cloud>> Catalog::together(std::vector<TogetherMember> members,
+                                                         bool byCloud) const {
+    auto made = together_.of(std::move(members), byCloud);
+    if (!made) return made;
+    // What went meanwhile is not kept on its account.
+    for (const TogetherMember& member : (*made)->together->members)
+        if (!showsNow(member.cloud.get())) together_.forget(member.cloud.get());
+    return made;
 }
 
 std::string Catalog::defaultId() const {

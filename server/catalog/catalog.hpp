@@ -14,6 +14,7 @@
 
 #include "protocol/error.hpp"
 #include "protocol/problem.hpp"
+#include "server/catalog/together/together_clouds.hpp"
 
 namespace scancast {
 
@@ -94,6 +95,10 @@ class Catalog {
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const;
     /// Whether it is there and changes by itself.
     bool isLive(std::string_view id) const;
+    /// Several of its clouds as one, to be drawn in one picture; kept for who asks again. Errors: putTogether()'s.
+    Expected<std::shared_ptr<const Cloud>> together(std::vector<TogetherMember> members, bool byCloud) const;
+    /// Where these keep what they need beside their clouds.
+    void setCache(std::shared_ptr<BlockCache> cache) { together_.setCache(std::move(cache)); }
     /// The first cloud that is Ready, else the first that can be looked at, else the first one at all; empty
     /// when there is none.
     std::string defaultId() const;
@@ -107,10 +112,13 @@ class Catalog {
     void settleLocked();
     CatalogEntry* findLocked(std::string_view id);
     const CatalogEntry* findLocked(std::string_view id) const;
+    /// What of clouds that are not shown any more is kept.
+    bool showsNow(const Cloud* cloud) const;
 
     mutable std::mutex mutex_;
     std::vector<CatalogEntry> entries_;  // a handful; searched in line
     bool settled_ = false;
+    mutable TogetherClouds together_;
 };
 
 }  // namespace scancast

@@ -9,6 +9,7 @@
 namespace scancast {
 
 /// Counts what it takes, as long as anybody looks at it.
-std::shared_ptr<const Cloud> counted(std::shared_ptr<const Cloud> cloud, BlockCache& cache);
+std::shared_ptr<const Cloud> counted(std::shared_ptr<const Cloud> cloud,
+                                     const std::shared_ptr<BlockCache>& cache);
 
 }  // namespace scancast

@@ -10,6 +10,7 @@
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/image/colormap.hpp"
 #include "renderer/render.hpp"
+#include "renderer/residency/pictured_octree.hpp"
 #include "renderer/station_view.hpp"
 #include "server/catalog/describe_point.hpp"
 
@@ -104,14 +105,38 @@ nlohmann::json rampsJson() {
     return ramps;
 }
 
+nlohmann::json columnJson(const KeptColumn& kept, bool isDrawn) {
+    nlohmann::json json{{"name", kept.column.name},
+                        {"type", name(kept.column.type)},
+                        {"range", kept.range},
+                        {"drawn", isDrawn}};
+    if (!kept.column.description.empty()) json["description"] = kept.column.description;
+    if (kept.usual) json["usual"] = *kept.usual;
+    if (const auto& h = kept.histogram)
+        json["histogram"] = {{"low", h->low}, {"high", h->high}, {"counts", h->counts}};
+    return json;
+}
+
+/// What is kept of the points, and intensity, which is asked for in the same way.
 nlohmann::json columnsJson(const Cloud& cloud) {
     nlohmann::json list = nlohmann::json::array();
-    for (const KeptColumn& kept : cloud.columns) {
-        nlohmann::json json{
-            {"name", kept.column.name}, {"type", name(kept.column.type)}, {"range", kept.range}};
-        if (!kept.column.description.empty()) json["description"] = kept.column.description;
-        list.push_back(std::move(json));
+    const auto choosable = choosableColumns(cloud);
+    bool hasIntensity = false;
+    for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
+        const Column& column = cloud.columns[c].column;
+        const bool isChoosable = std::ranges::find(choosable, c) != choosable.end();
+        list.push_back(
+            columnJson(cloud.columns[c], isChoosable && isDrawn(cloud, column, hasInnerNodes(cloud.octree))));
+        hasIntensity = hasIntensity || column.name == intensityName;
     }
+    if (!cloud.attributes.intensity || hasIntensity) return list;
+    KeptColumn intensity;
+    intensity.column.name = intensityName;
+    intensity.column.type = ColumnType::Uint16;
+    intensity.range = {double(cloud.intensityRange[0]), double(cloud.intensityRange[1])};
+    if (cloud.usual) intensity.usual = cloud.usual->intensity;
+    intensity.histogram = cloud.intensityHistogram;
+    list.push_back(columnJson(intensity, true));
     return list;
 }
 

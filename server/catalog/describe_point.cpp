@@ -84,7 +84,8 @@ nlohmann::json attributesJson(const KeptPoint& point) {
     return values;
 }
 
-nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {
+nlohmann::json pickedJson(const Cloud& shown, const Picked& picked) {
+    const Cloud& cloud = picked.of ? *picked.of->cloud : shown;
     const auto numbers = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
     const Sample& sample = picked.sample;
     nlohmann::json json{{"position", numbers(picked.point.position)},
@@ -105,6 +106,10 @@ nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {
     else if (cloud.attributes.normal && sample.normal != noNormal)
         json["normal"] = numbers(decodeNormal(sample.normal));
     if (picked.radius > 0) json["radius"] = picked.radius;
+    if (picked.of) {
+        json["cloud"] = picked.of->name;
+        json["shift"] = numbers(picked.of->shift);
+    }
     return json;
 }
 

@@ -222,7 +222,7 @@ void LiveSource::build(const Arrived& arrived) {
         *cloud = withLook(std::move(*cloud));
         basis_ = basisOf(**cloud);
     }
-    shown(counted(std::move(*cloud), *options_.cache), arrived.at);
+    shown(counted(std::move(*cloud), options_.cache), arrived.at);
 }
 
 void LiveSource::shown(std::shared_ptr<const Cloud> cloud, Clock::time_point arrivedAt) {

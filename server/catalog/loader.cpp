@@ -640,7 +640,7 @@ Loader::Result Loader::build(const ScanInput& input, const std::string& id,
     auto cloud = buildCloud(**source, options, progressOf(id));
     if (!cloud) return cloud;
     // The look first: a cloud that is given one is a copy, which would count nothing.
-    return counted(withLook(std::move(*cloud)), *options_.cache);
+    return counted(withLook(std::move(*cloud)), options_.cache);
 }
 
 Expected<void> Loader::ingestTo(const fs::path& output, const ScanInput& input, const std::string& id) {

@@ -1,6 +1,18 @@
 #include "server/catalog/visible_clouds.hpp"
 
+#include <algorithm>
+
+#include "protocol/view/view.hpp"
+
 namespace scancast {
+namespace {
+
+Error errorOf(const Problem& problem, const char* field) {
+    const std::string of = field == std::string_view("with") ? "with: " : "";
+    return {problem.status == 404 ? ErrorCode::NotFound : ErrorCode::Unavailable, of + problem.detail, field};
+}
+
+}  // namespace
 
 std::vector<CatalogEntry> VisibleClouds::list() const {
     std::vector<CatalogEntry> entries = catalog_.list();
@@ -15,6 +27,25 @@ std::optional<CatalogEntry> VisibleClouds::find(std::string_view id) const {
 tl::expected<std::shared_ptr<const Cloud>, Problem> VisibleClouds::cloud(std::string_view id) const {
     if (!sees(id)) return tl::unexpected(noSuchCloud(id));
     return catalog_.cloud(id);
+}
+
+Expected<std::shared_ptr<const Cloud>> VisibleClouds::viewed(std::string_view id, const View& view) const {
+    const auto own = cloud(id);
+    if (!own) return tl::unexpected(errorOf(own.error(), "cloud"));
+    if (view.with.empty()) return *own;
+    auto members = membersOf(view.with, {.name = std::string(id), .cloud = *own},
+                             [&](const ViewedCloud& one) -> Expected<std::shared_ptr<const Cloud>> {
+                                 auto other = cloud(one.cloud);
+                                 if (!other) return tl::unexpected(errorOf(other.error(), "with"));
+                                 return *other;
+                             });
+    if (!members) return passOn(std::move(members));
+    return catalog_.together(std::move(*members), view.style.color == ColorSource::Cloud);
+}
+
+bool VisibleClouds::isLive(std::string_view id, const ViewedClouds& with) const {
+    return isLive(id) ||
+           std::ranges::any_of(with, [&](const ViewedCloud& one) { return isLive(one.cloud); });
 }
 
 std::string VisibleClouds::defaultId() const {

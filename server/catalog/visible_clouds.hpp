@@ -24,6 +24,11 @@ class VisibleClouds {
     std::vector<CatalogEntry> list() const;
     std::optional<CatalogEntry> find(std::string_view id) const;
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const;
+    /// What a view of a cloud shows: the cloud, or several together where the view says so (`with`). Errors, as the problems of
+    /// cloud(): NotFound and Unavailable, of the cloud (field `cloud`) or of another one (field `with`); putTogether()'s.
+    Expected<std::shared_ptr<const Cloud>> viewed(std::string_view id, const View& view) const;
+    /// Whether any of the clouds that a view of it shows is.
+    bool isLive(std::string_view id, const ViewedClouds& with) const;
     bool isLive(std::string_view id) const { return sees(id) && catalog_.isLive(id); }
     std::string defaultId() const;
 

@@ -22,22 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<std::shared_ptr<BlockCache>> blockCache(const OpenOptions& options) {
-    BlockCacheOptions cache;
-    cache.memoryLimit = machineMemory() / 2;
-    if (!options.memoryLimit.empty()) {
-        const auto limit = parseByteSize(options.memoryLimit, "memory-limit");
-        if (!limit) return passOn(limit);
-        cache.memoryLimit = *limit;
-    }
-    cache.onDamaged = [](const std::shared_ptr<const CloudFile>& file, const Error& error) {
-        tell("{}; coarser points are shown in its place\n", damageText(*file, error));
-    };
-    return BlockCache::create(cache);
-}
-
 Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const OpenOptions& options) {
-    const auto cache = blockCache(options);
+    const auto cache = cacheFor(options);
     if (!cache) return passOn(cache);
     auto file = input.file().share();
     if (!file) return passOn(file);
@@ -45,7 +31,7 @@ Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const Op
 }
 
 Expected<std::shared_ptr<const Cloud>> openAsItIs(const ScanInput& input, const OpenOptions& options) {
-    const auto cache = blockCache(options);
+    const auto cache = cacheFor(options);
     if (!cache) return passOn(cache);
     auto crs = assumedCrs(options.assumeCrs);
     if (!crs) return passOn(crs);
@@ -55,7 +41,7 @@ Expected<std::shared_ptr<const Cloud>> openAsItIs(const ScanInput& input, const 
 }
 
 Expected<std::shared_ptr<const Cloud>> openUrl(const std::string& url, const OpenOptions& options) {
-    const auto cache = blockCache(options);
+    const auto cache = cacheFor(options);
     if (!cache) return passOn(cache);
     RemoteFiles remote{
         {.onNote = [](const std::string& note) { tell("{}\n", note); }, .stopsWithOwner = false}};
@@ -97,6 +83,21 @@ Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>&
 }
 
 }  // namespace
+
+Expected<std::shared_ptr<BlockCache>> cacheFor(const OpenOptions& options) {
+    if (options.cache) return options.cache;
+    BlockCacheOptions cache;
+    cache.memoryLimit = machineMemory() / 2;
+    if (!options.memoryLimit.empty()) {
+        const auto limit = parseByteSize(options.memoryLimit, "memory-limit");
+        if (!limit) return passOn(limit);
+        cache.memoryLimit = *limit;
+    }
+    cache.onDamaged = [](const std::shared_ptr<const CloudFile>& file, const Error& error) {
+        tell("{}; coarser points are shown in its place\n", damageText(*file, error));
+    };
+    return BlockCache::create(cache);
+}
 
 Expected<std::shared_ptr<const Cloud>> openAny(const std::vector<std::string>& arguments,
                                                const OpenOptions& options) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderer/cloud/cloud.hpp"
+#include "renderer/residency/block_cache.hpp"
 
 namespace scancast {
 
@@ -16,7 +17,11 @@ struct OpenOptions {
     std::string memoryLimit{};  ///< of cloud files, like "2G"; empty = half of the machine's
     bool native = false;        ///< scans that can be are shown as they are
     bool verbose = false;       ///< name each file of a folder that is no scan
+    std::shared_ptr<BlockCache> cache{};  ///< of cloud files; empty = each has one of its own, of that limit
 };
+
+/// Memory for cloud files, as the options limit it. InvalidArgument where that is no size.
+Expected<std::shared_ptr<BlockCache>> cacheFor(const OpenOptions& options);
 
 /// Shows progress and tells what is remarkable on standard error. Errors: those of findScans(), of opening and reading;
 /// InvalidArgument for a cloud file among others.

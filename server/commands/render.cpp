@@ -16,6 +16,7 @@
 #include "renderer/look/decide_look.hpp"
 #include "renderer/plan.hpp"
 #include "renderer/render.hpp"
+#include "renderer/together/together.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/importer_flags.hpp"
@@ -145,6 +146,21 @@ Expected<std::shared_ptr<const Cloud>> withChangedLook(std::shared_ptr<const Clo
     return changed;
 }
 
+/// What the words say of clouds that are shown together; each is opened as the first one is, by its file's name.
+Expected<std::shared_ptr<const Cloud>> withOthers(std::shared_ptr<const Cloud> cloud, const std::string& file,
+                                                  const WordValues& words, const OpenOptions& open) {
+    View view;
+    for (const auto& [word, value] : words)
+        if (word == "with" || word == "color")
+            if (auto ok = applyWord(view, word, value); !ok) return passOn(ok);
+    if (auto sound = validate(view); !sound) return passOn(sound);
+    if (view.with.empty()) return cloud;
+    auto members = membersOf(view.with, {.name = file, .cloud = std::move(cloud)},
+                             [&](const ViewedCloud& one) { return openAny({one.cloud}, open); });
+    if (!members) return passOn(std::move(members));
+    return putTogether(std::move(*members), view.style.color == ColorSource::Cloud, open.cache);
+}
+
 /// A lost device is replaced by the cpu device, which draws the picture instead.
 Expected<Frame> renderOrReplace(std::unique_ptr<Device>& device, const Cloud& cloud, const View& view,
                                 const RenderArguments& arguments) {
@@ -169,18 +185,24 @@ Expected<void> runRender(const RenderArguments& arguments, const WordValues& wor
     options.gpuMemoryLimit = *gpuMemoryLimit;
     auto device = createDevice(options);
     if (!device) return passOn(device);
-    auto cloud = openAny(arguments.files, {.threads = arguments.device.threads,
-                                           .surfels = !arguments.noSurfels,
-                                           .assumeCrs = arguments.assumeCrs,
-                                           .memoryLimit = arguments.memoryLimit,
-                                           .native = arguments.native,
-                                           .verbose = arguments.verbose});
+    OpenOptions open{.threads = arguments.device.threads,
+                     .surfels = !arguments.noSurfels,
+                     .assumeCrs = arguments.assumeCrs,
+                     .memoryLimit = arguments.memoryLimit,
+                     .native = arguments.native,
+                     .verbose = arguments.verbose};
+    const auto cache = cacheFor(open);
+    if (!cache) return passOn(cache);
+    open.cache = *cache;
+    auto cloud = openAny(arguments.files, open);
     if (!cloud) return passOn(cloud);
     cloud = withLook(std::move(*cloud));
     if (!arguments.look.empty()) {
         cloud = withChangedLook(std::move(*cloud), arguments.look);
         if (!cloud) return passOn(cloud);
     }
+    cloud = withOthers(std::move(*cloud), arguments.files.front(), words, open);
+    if (!cloud) return passOn(cloud);
     auto view = applyWords(defaultView(**cloud), words);
     if (!view) return passOn(view);
 
@@ -222,6 +244,7 @@ void addRender(CLI::App& app, int& exitCode) {
         "--light occlusion=0.5\n"
         "  scancast render 'flight/*.laz' -o flight.jpg\n"
         "  scancast render s3://scans/town.scan -o town.jpg\n"
+        "  scancast render 2024.scan -o both.png --color cloud --with '2019.scan,shift:0:0:0.05'\n"
         "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
     auto arguments = std::make_shared<RenderArguments>();
     arguments->render.depth = false;  // of what it writes, no format shows it

@@ -16,6 +16,9 @@ class CatalogWorld final : public StreamWorld {
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const override {
         return clouds_.cloud(id);
     }
+    Expected<std::shared_ptr<const Cloud>> viewed(std::string_view id, const View& view) const override {
+        return clouds_.viewed(id, view);
+    }
     bool loading(std::string_view id) const override {
         const auto entry = clouds_.find(id);
         return entry && entry->state == CloudState::Loading;

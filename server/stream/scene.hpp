@@ -24,6 +24,10 @@ class StreamWorld {
     virtual ~StreamWorld() = default;
     virtual std::string defaultCloud() const = 0;
     virtual tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const = 0;
+    /// What a view of the cloud shows: it alone, or several together where the view says so. The same one each time, as
+    /// long as nothing changes. Errors: as the problems of cloud(), of others in the field `with`; what makes them impossible to
+    /// show together.
+    virtual Expected<std::shared_ptr<const Cloud>> viewed(std::string_view id, const View& view) const;
     /// Whether another cloud will take this one's place soon.
     virtual bool loading(std::string_view id) const = 0;
     /// Whether it changes by itself, again and again: each cloud that takes its place is shown at once, like a new view.
@@ -40,7 +44,7 @@ class StreamWorld {
 /// Everything that a `view` message may change.
 struct Scene {
     std::string cloudId;
-    std::shared_ptr<const Cloud> cloud;
+    std::shared_ptr<const Cloud> cloud;  ///< what is drawn: that one, or several together
     View view;
     std::uint64_t seq = 0;
     std::shared_ptr<const PlannedView>
@@ -57,17 +61,25 @@ class SceneResolver {
     tl::expected<Scene, Problem> opened(const messages::Hello& hello) const;
     /// The scene after this change. Following a session, only width and height are one's own.
     tl::expected<Scene, Problem> changed(const Scene& now, const messages::ViewChange& change) const;
-    /// What another session shows, in this one's size.
+    /// What another session shows, in this one's size; of its clouds those that this session's client may see.
     tl::expected<Scene, Problem> followed(const tl::expected<SharedView, Problem>& shared, int width,
                                           int height) const;
     /// Plans it, if it can be drawn here.
     Expected<void> plan(Scene& scene) const;
+    /// What it shows now, and plans that.
+    Expected<void> lookAnew(Scene& scene) const;
+    /// Those of the clouds that there are, for this session's client; the view's own is always one.
+    ViewedClouds known(const ViewedClouds& clouds) const;
+    /// Whether one of the clouds that the scene shows is being loaded; whether one changes by itself.
+    bool loading(const Scene& scene) const;
+    bool live(const Scene& scene) const;
 
     /// A problem with the field `follow`.
     static Problem followProblem(int status, std::string detail);
 
   private:
-    tl::expected<Scene, Problem> ofCloud(const std::string& cloudId, int width, int height) const;
+    /// Its default view; `with`, and whether each has a colour of its own, as `first` says.
+    tl::expected<Scene, Problem> ofCloud(const std::string& cloudId, const View& first) const;
     tl::expected<SharedView, Problem> leader(const std::string& id) const;
 
     const StreamWorld& world_;

@@ -26,6 +26,11 @@ bool mayLackBlocks(const Cloud& cloud) {
     return !cloud.octree.nodes().empty() && !cloud.octree.store().whole();
 }
 
+/// What is not there, or not yet, is told of elsewhere.
+bool isForNow(const Error& error) {
+    return error.code == ErrorCode::NotFound || error.code == ErrorCode::Unavailable;
+}
+
 double secondsBetween(StreamSession::Time from, StreamSession::Time to) {
     return std::chrono::duration<double>(to - from).count();
 }
@@ -143,10 +148,9 @@ std::optional<Scene> StreamSession::resume(const messages::Hello& hello, Time no
 }
 
 std::optional<Scene> StreamSession::remembered(SavedSession saved) {
-    auto cloud = world_.cloud(saved.cloudId);
-    if (!cloud) return std::nullopt;
-    Scene scene{saved.cloudId, std::move(*cloud), std::move(saved.view), saved.seq};
-    if (!scenes_.plan(scene)) return std::nullopt;
+    Scene scene{saved.cloudId, nullptr, std::move(saved.view), saved.seq};
+    scene.view.with = scenes_.known(scene.view.with);
+    if (!scenes_.lookAnew(scene)) return std::nullopt;
     limits_ = saved.limits;
     lastFrame_ = ackedFrame_ = saved.lastFrame;  // what was under way then is not waited for
     return scene;
@@ -232,7 +236,7 @@ void StreamSession::viewChanged(Time now) {
     viewTime_ = now;
     stills_.begin(mayLackBlocks(*scene_.cloud), now);
     nextLook_.reset();
-    if (world_.loading(scene_.cloudId)) nextLook_ = now + options_.cloudInterval;
+    if (scenes_.loading(scene_)) nextLook_ = now + options_.cloudInterval;
     // A still of the old view is worth nothing now, and in the way of what the client waits for.
     if (std::erase_if(outstanding_, [](const Order& order) { return order.still.has_value(); }) > 0)
         port_.abandon();
@@ -249,10 +253,30 @@ void StreamSession::lookAround(Time now) {
                      "The cloud that this session showed has been removed, or cannot be read any more.");
     }
     followLeader(now);
-    if (state_ != State::Open || !cloud || *cloud == scene_.cloud) return;
+    if (state_ != State::Open || !cloud) return;
+    leaveOutLost(now);
+    const auto shown = world_.viewed(scene_.cloudId, scene_.view);
+    if (shown && *shown == scene_.cloud) return;
     nextLook_ = now;  // another cloud has taken the name
     lookForNewerCloud(now);
     pump(now);
+}
+
+// Its client is told, and sees what is left.
+void StreamSession::leaveOutLost(Time now) {
+    Scene scene = scene_;
+    scene.view.with = scenes_.known(scene_.view.with);
+    if (scene.view.with == scene_.view.with) return;
+    for (const ViewedCloud& one : scene_.view.with) {
+        if (std::ranges::find(scene.view.with, one) != scene.view.with.end()) continue;
+        Problem problem = problemOf(404, "The cloud \"" + one.cloud +
+                                             "\" has been removed, or cannot be read any more; this session shows the "
+                                             "others without it.");
+        problem.errors.push_back({"with", problem.detail});
+        refuse(std::move(problem), std::nullopt);
+    }
+    if (auto sound = scenes_.lookAnew(scene); !sound) return refuse(problemOf(sound.error()), std::nullopt);
+    show(std::move(scene), now);
 }
 
 void StreamSession::followLeader(Time now) {
@@ -277,17 +301,15 @@ void StreamSession::leaderLeft() {
 // A client that stands still sees a cloud get finer while it is loaded, and move while it is live.
 void StreamSession::lookForNewerCloud(Time now) {
     if (state_ != State::Open || !nextLook_ || now < *nextLook_) return;
-    const bool more =
-        world_.loading(scene_.cloudId);  // asked first: what comes after the answer is seen next time
+    const bool more = scenes_.loading(scene_);  // asked first: what comes after the answer is seen next time
     nextLook_.reset();
     if (more) nextLook_ = now + options_.cloudInterval;
-    auto cloud = world_.cloud(scene_.cloudId);
-    if (!cloud || *cloud == scene_.cloud) return;
+    if (const auto shown = world_.viewed(scene_.cloudId, scene_.view); shown && *shown == scene_.cloud) return;
     Scene scene = scene_;
-    scene.cloud = std::move(*cloud);
-    scene.planned.reset();
-    const bool isLive = world_.live(scene.cloudId);
-    if (auto sound = scenes_.plan(scene); !sound) {
+    const bool isLive = scenes_.live(scene);
+    const auto sound = scenes_.lookAnew(scene);
+    if (scene.cloud == scene_.cloud && (sound || isForNow(sound.error()))) return;
+    if (!sound) {
         // The file of a cloud was replaced, and this view cannot be shown of the new one; else one that can is to come.
         if (!more && !isLive) refuse(problemOf(sound.error()), std::nullopt);
         return;

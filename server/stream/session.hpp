@@ -139,6 +139,7 @@ class StreamSession {
     void place(const Order& order);
     void viewChanged(Time now);
     void lookForNewerCloud(Time now);
+    void leaveOutLost(Time now);
     bool stillComing() const;
     Order nextOrder(std::optional<StillSchedule::Still> still);
     View viewOf(const Order& order) const;

@@ -196,7 +196,7 @@ describe('the looks of the page', { timeout: 290_000 }, () => {
   it('has no button for what cannot be done yet, and a place for it', async () => {
     await open();
     const tools = await page.$$eval('#rail button', (buttons) => buttons.map((button) => button.textContent));
-    assert.deepEqual(tools, ['Orbit', 'Look', 'Measure', 'Cut', 'Profile', 'Notes', 'Views', 'Compare', 'Picture', 'Export', 'Present']);
+    assert.deepEqual(tools, ['Orbit', 'Look', 'Measure', 'Cut', 'Filter', 'Profile', 'Notes', 'Views', 'Together', 'Compare', 'Picture', 'Export', 'Present']);
     await page.click('#look-around');
     assert.deepEqual(await page.$$eval('#rail [aria-pressed=true]', (buttons) => buttons.map((button) => button.textContent)), ['Look']);
     assert.match(await page.textContent('#hint'), /to look around/);

@@ -11,7 +11,7 @@ import unittest.mock
 import support
 
 import scancast
-from scancast import _decode, _exports, _http, _rfc6455, _shapes, _values, _view_words, _wanted, errors, facts, words
+from scancast import _clouds, _decode, _exports, _http, _rfc6455, _shapes, _values, _view_words, _wanted, errors, facts, words
 
 sys.path.insert(0, support.PACKAGE)
 import make_view_words  # noqa: E402
@@ -56,7 +56,7 @@ class Tables(unittest.TestCase):
         self.assertIs(type(errors.problem({}, 418)), errors.Refused)
 
     def test_doctests(self):
-        for module in (_values, _shapes, words, _http, _rfc6455, _exports):
+        for module in (_values, _clouds, _shapes, words, _http, _rfc6455, _exports):
             failed, tried = doctest.testmod(module)
             self.assertEqual(failed, 0, module.__name__)
             self.assertGreater(tried, 0, module.__name__)
@@ -95,6 +95,17 @@ class Words(unittest.TestCase):
         for given in ({"eye": (0, float("nan"), 0)}, {"param": {"scale": float("inf")}}, {"color": object()}):
             with self.assertRaisesRegex(ValueError, next(iter(given))):
                 words.view_of(given)
+
+    def test_several_clouds_are_written_either_way(self):
+        text = ".,tint:ff8800;town-2024,shift:0:0:0.12;b,hidden"
+        clouds = _clouds.clouds_of(text)
+        self.assertEqual(_clouds.clouds_text(clouds), text)
+        self.assertEqual(words.view_of({"with_": text}), {"with": clouds})
+        self.assertEqual(words.view_of({"with_": clouds}), {"with": clouds})
+        self.assertEqual(words.view_of({"with_": "auto"}), {"with": None})
+        self.assertEqual(words.words_text({"with": clouds}), [("with", text)])
+        for strange in ("b,sideways", "b,shift:1:2", "b,shift:1:2:x"):
+            self.assertEqual(_clouds.clouds_of(strange), strange)
 
     def test_shapes_that_cut_are_written_either_way(self):
         text = "box:5,5,2,10,4,4,30;-box:1,2,3,4,5,6;plane:0,0,3,0,0,-1;box:1,2,3,4,5,6,0,10,20"

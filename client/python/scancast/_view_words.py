@@ -50,7 +50,7 @@ class ViewWords(TypedDict, total=False):
     method: str
     # Parameters of the method, by name.
     param: Mapping[str, Optional[Union[float, bool, str]]]
-    # Where colours come from, or one colour for everything (the # may be left out); auto takes the cloud's best. rgb, elevation, classification and #rrggbb get brighter with intensity by *intensity. cir is colour infrared: near infrared as red, red as green, green as blue. visibility tells hidden points from visible ones, with method pyramid.
+    # Where colours come from, or one colour for everything (the # may be left out); auto takes the cloud's best. rgb, elevation, classification, cloud and #rrggbb get brighter with intensity by *intensity. cir is colour infrared: near infrared as red, red as green, green as blue. visibility tells hidden points from visible ones, with method pyramid. cloud gives each cloud of several (with) a colour of its own.
     color: str
     # How much brighter the points' own colours are drawn, by powers of two; auto leaves it to the cloud. Must lie between -3 and 3 stops.
     exposure: Union[float, None, Literal["auto"]]
@@ -74,6 +74,8 @@ class ViewWords(TypedDict, total=False):
     behind_mirrors: bool
     # Whether points are drawn that are far from everything else, alone or in small groups.
     outliers: Literal["hide", "show"]
+    # Show up to 64 other clouds of the same coordinate system together with this one, each moved, tinted or hidden; . is the cloud itself, auto shows it alone. A tint multiplies a cloud's own colours, and is the colour of one that has none.
+    with_: Union[Sequence[Mapping[str, Any]], None, Literal["auto"]]
     # Behind the points: nothing (PNG), one colour, or a gradient from top to bottom.
     background: Union[Union[Literal["transparent"], str, Sequence[str]], None, Literal["auto"]]
     # How fine: the distance of neighbouring samples on screen down to which the cloud is refined. Must lie between 0 and 1024 px.
@@ -115,6 +117,7 @@ PLACES: Dict[str, Tuple[str, ...]] = {
     "mirrors": ("mirrors",),
     "behind_mirrors": ("behindMirrors",),
     "outliers": ("outliers",),
+    "with_": ("with",),
     "background": ("background",),
     "detail": ("detail",),
     "budget": ("budget",),
@@ -139,4 +142,5 @@ AUTOMATIC: FrozenSet[str] = frozenset({
     "range",
     "samples",
     "shading",
+    "with_",
 })

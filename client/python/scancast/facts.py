@@ -280,5 +280,7 @@ class PickedPoint:
     radius: Optional[float] = None
     exact: Optional[bool] = None
     crs: Optional[Crs] = None
+    cloud: str = ""  # of a view of several (with_): whose point it is
+    shift: Optional[Vector3] = None  # and by which it is seen elsewhere
     attributes: Dict[str, Any] = field(default_factory=dict)
     json: Dict[str, Any] = field(default_factory=dict, repr=False)

@@ -1,6 +1,6 @@
 """Keyword arguments ↔ a view as JSON ↔ its words in a link. Pure; what the words are stands in _view_words.py.
 
-Python's names are the protocol's in snake_case: ``view_height`` is ``viewHeight``. Names that this version does not know are passed on
+Python's names are the protocol's in snake_case: ``view_height`` is ``viewHeight``; ``with``, which Python has another meaning for, is ``with_``. Names that this version does not know are passed on
 as they are: the server may be newer, and tells what it does not know either.
 """
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any, Dict, List, Mapping, Optional, Protocol, Tuple, Union
 from urllib.parse import quote
 
+from ._clouds import clouds_of, clouds_text
 from ._shapes import shapes_of, shapes_text
 from ._values import box, camel, merged, number_text, plain
 from ._view_words import AUTOMATIC, PLACES
@@ -46,6 +47,8 @@ def view_of(words: Mapping[str, Any], base: Optional[Mapping[str, Any]] = None) 
             value = box(value)
         elif name == "clips" and isinstance(value, str) and value != "auto":
             value = shapes_of(value)
+        elif name == "with_" and isinstance(value, str):
+            value = clouds_of(value)
         elif name == "classes" and value == "none":
             value = []
         place = PLACES.get(name, (camel(name),))
@@ -115,6 +118,8 @@ def words_text(view: Mapping[str, Any]) -> List[Tuple[str, str]]:
             said.append((key, "none"))
         elif key == "clips" and value is not None:
             said.append((key, shapes_text(value)))
+        elif key == "with" and value is not None:
+            said.append((key, clouds_text(value)))
         elif key == "background" and value is None:
             said.append((key, _DEFAULT_BACKGROUND))
         else:

@@ -1,6 +1,7 @@
 // The list of notes in their card: titles, texts and links as fields, so that keys and screen readers reach all of it.
 
 import { placeText } from '../measure/units.js';
+import { focusOn, headOf, keyed, leavesByEscape } from '../page/entries.js';
 import { icon } from '../page/icons.js';
 import { element } from '../page/parameter_fields.js';
 import { annotate as words } from '../page/strings/annotate.js';
@@ -63,7 +64,7 @@ export class NoteList {
     // What is there already is not touched: whoever goes from field to field would lose his way.
     if (rows.length !== shown.length || rows.some((row, i) => row !== shown[i])) find('note-list').replaceChildren(...rows);
     // What had the focus may be gone; then the next best has it, and never nothing.
-    if (focused && document.activeElement !== active && !this.#focus(focused)) (find('note-list').querySelector('button') ?? find('close-annotating')).focus();
+    if (focused && document.activeElement !== active && !focusOn(find('note-list'), focused)) (find('note-list').querySelector('button') ?? find('close-annotating')).focus();
   }
 
   /** The row of a note, where it still says what is so, or where somebody is writing in it. */
@@ -77,33 +78,14 @@ export class NoteList {
   /** Its title is what one writes next. */
   edit(id) {
     if (touch.matches) return; // where fields bring a keyboard that covers what was pointed at
-    this.#focus(`name-${id}`);
+    focusOn(find('note-list'), `name-${id}`);
     find('note-list').querySelector(`[data-key="name-${id}"]`)?.select();
   }
 
-  #focus(key) {
-    const found = find('note-list').querySelector(`[data-key="${CSS.escape(key)}"]`);
-    found?.focus({ preventScroll: false });
-    return Boolean(found);
-  }
-
-  #button(key, properties, act) {
-    const button = element('button', { type: 'button', ...properties });
-    button.dataset.key = key;
-    button.addEventListener('click', act);
-    return button;
-  }
-
   #row(note, isOpen, cloud) {
-    const { id, name, visible } = note;
-    const head = this.#button(`row-${id}`, { className: 'name' }, () => this.#does.select(isOpen ? undefined : id));
-    head.append(element('span', { textContent: name }));
-    head.setAttribute('aria-expanded', String(isOpen));
-    const eye = this.#button(`eye-${id}`, { className: 'eye', title: words.showTip }, () => this.#notes.change(id, { visible: !visible }));
-    eye.append(icon(visible ? 'shown' : 'unshown'));
-    eye.setAttribute('aria-label', words.show(name));
-    eye.setAttribute('aria-pressed', String(visible));
-    const row = element('li', { className: visible ? '' : 'unshown' }, element('div', { className: 'head' }, eye, head));
+    const { id, visible } = note;
+    const head = headOf(note, isOpen, words, { show: (isShown) => this.#notes.change(id, { visible: isShown }), open: () => this.#does.select(isOpen ? undefined : id) });
+    const row = element('li', { className: visible ? '' : 'unshown' }, head);
     if (isOpen) {
       const details = this.#details(note, cloud);
       details.addEventListener('focusin', () => { this.#edited = id; });
@@ -121,6 +103,7 @@ export class NoteList {
     const field = element(tag, { value, maxLength: longest, autocomplete: 'off', ...(tag === 'input' ? { type: 'text' } : { rows: 3 }), placeholder: key.startsWith('link') ? words.linkHint : '' });
     field.dataset.key = key;
     field.addEventListener('change', () => change(field.value, field));
+    leavesByEscape(field, () => focusOn(find('note-list'), key.replace(/^\w+/, 'row')));
     return element('label', { className: 'field-of-note' }, element('span', { textContent: label }), field);
   }
 
@@ -142,8 +125,8 @@ export class NoteList {
       ...(follow ? [follow] : []),
       element('p', { className: 'note', textContent: [placeText(point, step), cloud?.crsName ?? ''].filter(Boolean).join(' · ') }),
       element('div', { className: 'buttons' },
-        this.#button(`zoom-${id}`, { textContent: words.zoom }, () => this.#does.zoom(id)),
-        this.#button(`again-${id}`, { textContent: words.move, title: words.moveTip }, () => this.#does.again(id)),
-        this.#button(`remove-${id}`, { textContent: words.remove }, () => this.#does.remove(id))));
+        keyed(`zoom-${id}`, { textContent: words.zoom }, () => this.#does.zoom(id)),
+        keyed(`again-${id}`, { textContent: words.move, title: words.moveTip }, () => this.#does.again(id)),
+        keyed(`remove-${id}`, { textContent: words.remove }, () => this.#does.remove(id))));
   }
 }

@@ -1,6 +1,7 @@
 // Cutting the scan by boxes and half-spaces: the card with the list of them, and the hand on their handles. What cuts is the view's own word `clips`, so
 // the address, undo and links hold it, and the server does it; here is only what a hand and a keyboard need.
 
+import { focusOn, keyed } from '../page/entries.js';
 import { element } from '../page/parameter_fields.js';
 import { putCard } from '../page/lazy_tools.js';
 import { clip as words } from '../page/strings/clip.js';
@@ -157,20 +158,13 @@ export class Clipping {
     find('clip-empty').hidden = shapes.length > 0;
     const focused = /** @type {HTMLElement} */ (document.activeElement)?.dataset?.key;
     find('clip-list').replaceChildren(...shapes.map((shape, i) => this.#row(shape, i)));
-    if (focused) /** @type {HTMLElement} */ (find('clip-list').querySelector(`[data-key="${CSS.escape(focused)}"]`))?.focus({ preventScroll: true });
-  }
-
-  #button(key, text, act) {
-    const button = element('button', { type: 'button', textContent: text });
-    button.dataset.key = key;
-    button.addEventListener('click', act);
-    return button;
+    if (focused) focusOn(find('clip-list'), focused);
   }
 
   #row(shape, index) {
     const name = shape.box ? words.box(index + 1) : words.plane(index + 1);
     const isChosen = index === this.#chosen;
-    const head = this.#button(`row-${index}`, name, () => {
+    const head = keyed(`row-${index}`, { textContent: name }, () => {
       this.#chosen = isChosen ? undefined : index;
       this.#show();
     });
@@ -179,8 +173,8 @@ export class Clipping {
     const row = element('li', {}, element('div', { className: 'head' }, head));
     if (!isChosen) return row;
     row.append(element('div', { className: 'details' }, ...this.#fields(shape, index), element('div', { className: 'buttons' },
-      ...(shape.plane ? [this.#button(`flip-${index}`, words.flip, () => this.#change(index, { plane: { ...shape.plane, normal: shape.plane.normal.map((value) => -value) } }))] : []),
-      this.#button(`remove-${index}`, words.remove, () => this.#put(this.#shapes.filter((_, i) => i !== index))))));
+      ...(shape.plane ? [keyed(`flip-${index}`, { textContent: words.flip }, () => this.#change(index, { plane: { ...shape.plane, normal: shape.plane.normal.map((value) => -value) } }))] : []),
+      keyed(`remove-${index}`, { textContent: words.remove }, () => this.#put(this.#shapes.filter((_, i) => i !== index))))));
     return row;
   }
 

@@ -10,6 +10,7 @@ export const card = `
     <button type="button" id="close-comparing" data-label="close" data-tip="close">✕</button>
   </header>
   <p class="note" data-text="how"></p>
+  <p id="compare-begins" role="status"></p>
   <h3 data-text="right"></h3>${['method', 'color', 'shading', 'classes', 'cloud'].map(field).join('')}
 </section>
 `;

@@ -13,7 +13,7 @@ import { wireOf } from '../view/camera_words.js';
 import { wordsFor } from '../scancast-view.js';
 import { Viewer } from '../view/viewer.js';
 import { card } from './card.js';
-import { parseSides, printSides, rightStyle, usualSides } from './sides.js';
+import { otherColour, parseSides, printSides, rightStyle, usualSides } from './sides.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
@@ -65,7 +65,13 @@ export class Comparing {
     if (isActive === this.#isActive) return;
     this.#isActive = isActive;
     find('comparing').hidden = !isActive;
-    if (isActive && !this.#isOn) this.#start();
+    if (isActive && !this.#isOn) {
+      const { view, cloud, catalog } = this.#viewer;
+      const color = cloud && otherColour(view, cloud, catalog.colors ?? []);
+      this.#sides = { ...usualSides, ...(color ? { color } : {}) };
+      find('compare-begins').textContent = color ? words.begins(strings.colour.names[color]) : '';
+      this.#start();
+    }
     this.#page.active(isActive);
     if (isActive) this.#fill();
   }
@@ -178,6 +184,7 @@ export class Comparing {
   #choose(name, value) {
     const chosen = value === '' ? undefined : name === 'classes' && value !== 'all' ? Number(value) : value;
     this.#sides = { ...this.#sides, [name]: chosen };
+    find('compare-begins').textContent = '';
     if (name === 'cloud') this.#begin();
     else {
       this.#styled = '';

@@ -16,6 +16,13 @@ const readers = {
   at: (text) => (/^\d{1,3}(\.\d)?$/.test(text) && Number(text) <= 100 ? Number(text) : undefined),
 };
 
+/** What the right side begins with, so that there is something to be seen: a colour that the left one does not have; undefined where there is none. */
+export function otherColour(view, cloud, colors) {
+  const has = (color) => color === 'elevation' || (cloud.attributes ?? []).some(({ name }) => name === color);
+  const [left] = (view.color === 'auto' ? cloud.look?.color ?? ['rgb', 'intensity', 'elevation'].find(has) : view.color ?? '').split('*');
+  return ['elevation', 'intensity', 'classification', 'rgb'].find((color) => color !== left && has(color) && colors.includes(color));
+}
+
 /** '&compare=method:point;at:40'. */
 export function printSides(sides) {
   const parts = Object.keys(readers).filter((key) => sides[key] !== undefined)

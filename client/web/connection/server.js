@@ -5,6 +5,7 @@ import { Access } from './access.js';
 import { renewIn } from './guest.js';
 
 const patienceMs = 10_000;
+const mostPlaces = 1000; // that one question may have
 
 /** An answer that is an error, in words that a person can read. */
 export class ServerProblem extends Error {
@@ -77,6 +78,9 @@ export class Server {
     return { clouds: listOf(body.clouds), pending: listOf(body.pending) };
   }
 
+  /** All that is known of one. */
+  cloud(id) { return this.#json(pathOf(id)); }
+
   /** { methods, colors, colormaps, shadings, ramps }. */
   async methods() {
     const { methods, colors, colormaps, shadings, ramps = {} } = await this.#json('/api/v1/methods');
@@ -109,6 +113,19 @@ export class Server {
       method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ view, x, y }), signal: AbortSignal.timeout(3 * patienceMs),
     });
     return response.json();
+  }
+
+  /** Where points of the file lie in WGS 84: [longitude, latitude] of each, in degrees. */
+  async lonlat(cloud, points) {
+    const found = [];
+    for (let i = 0; i < points.length; i += mostPlaces) {
+      const response = await this.ask(`${pathOf(cloud)}/lonlat`, {
+        method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ points: points.slice(i, i + mostPlaces) }), signal: AbortSignal.timeout(patienceMs),
+      });
+      found.push(...listOf((await response.json()).lonlat));
+    }
+    if (found.length !== points.length) throw new ServerProblem({ detail: 'The server did not convert all of the points.' });
+    return found;
   }
 
   /** What the scan's points say: volumes, fitted shapes. `question` as the protocol has it ("A measurement"). */

@@ -4,10 +4,13 @@ const busy = [429, 503]; // others' work is under way, or what this page has jus
 const patience = [300, 700, 1500, 3000];
 
 /** The same as post(), but asks again where the server is busy just now. */
-export async function postSoon(server, cloud, what, question, signal) {
+export const postSoon = (server, cloud, what, question, signal) => soon(() => post(server, cloud, what, question, signal), signal);
+
+/** What `ask()` resolves to, asked again where the server is busy just now. */
+export async function soon(ask, signal) {
   for (const wait of [...patience, undefined]) {
     try {
-      return await post(server, cloud, what, question, signal);
+      return await ask();
     } catch (/** @type {any} */ error) {
       if (!busy.includes(error.status) || wait === undefined || signal?.aborted) throw error;
       await new Promise((done) => { setTimeout(done, wait); });

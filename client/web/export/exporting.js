@@ -5,8 +5,9 @@ import { element } from '../page/parameter_fields.js';
 import { putCard } from '../page/lazy_tools.js';
 import { counted, strings } from '../page/strings.js';
 import { exporting as words } from '../page/strings/export.js';
-import { postSoon } from './asking.js';
+import { postSoon, soon } from './asking.js';
 import { card } from './card.js';
+import { Maps } from './maps.js';
 import { countIn, fileName, limitsOf, regionOf } from './region.js';
 import { sizeText } from './sizes.js';
 import { chooseTarget, mostInBlob, saveAnswer, writesFiles } from './saving.js';
@@ -19,6 +20,7 @@ const headBytes = 4096;
 export class Exporting {
   #viewer;
   #page;
+  #maps;
   #counting; // AbortController of the question how many they are
   #saving; // of the file that comes
   #timer;
@@ -31,7 +33,11 @@ export class Exporting {
     this.#page = page;
     putCard(card, words);
     find('export-format').append(...Object.entries(words.formats).map(([value, textContent]) => element('option', { value, textContent })));
-    find('exporting').addEventListener('change', () => this.#changed());
+    this.#maps = new Maps(viewer, (path, what) => {
+      const { server, cloud } = viewer;
+      this.#saveFile(fileName(undefined, cloud.id, what, 'tif'), 'tif', (signal) => soon(() => server.ask(path, { signal }), signal), undefined);
+    });
+    find('exporting').addEventListener('change', ({ target }) => !target.closest('details') && this.#changed());
     find('exporting').addEventListener('close', () => this.#stop());
     find('export-save').addEventListener('click', () => this.#save());
     find('export-stop').addEventListener('click', () => this.#saving?.abort());
@@ -56,6 +62,7 @@ export class Exporting {
     find('export-outline').replaceChildren(...this.#outlines.map(({ name }, i) => element('option', { value: String(i), textContent: name })).reverse());
     find('export-classes-row').hidden = !classes;
     find('export-state').textContent = '';
+    this.#maps.show();
     find('exporting').showModal();
     this.#changed();
   }
@@ -134,27 +141,31 @@ export class Exporting {
     find('export-stop').hidden = !isBusy;
     find('export-progress').hidden = !isBusy;
     find('export-progress').removeAttribute('value'); // nobody knows how far it is, at first
-    for (const field of find('exporting').querySelectorAll('fieldset, select, input[type=checkbox]')) field.disabled = isBusy;
+    for (const field of find('exporting').querySelectorAll('fieldset, select, input[type=checkbox], #raster-save')) field.disabled = isBusy;
     if (isBusy) find('export-stop').focus();
     else if (find('exporting').open) find('export-save').focus();
   }
 
-  async #save() {
-    if (this.#saving) return;
+  #save() {
     const question = this.#question;
-    const { cloud } = this.#viewer;
+    const { cloud, server } = this.#viewer;
     const name = fileName(undefined, cloud.id, question.region ? 'part' : '', question.format);
+    return this.#saveFile(name, question.format, (signal) => postSoon(server, cloud.id, 'points', question, signal), this.#known?.bytes);
+  }
+
+  /** What `ask(signal)` is answered, of which so many bytes are expected, into a file of that name. */
+  async #saveFile(name, format, ask, expected) {
+    if (this.#saving) return;
     const saving = new AbortController();
     this.#saving = saving;
     this.#counting?.abort();
-    const { bytes: expected } = this.#known ?? {};
     try {
-      const target = await chooseTarget(name, question.format);
+      const target = await chooseTarget(name, format);
       if (!target) return;
       this.#busy(true);
       this.#say(words.waiting);
       let shown = 0;
-      const { response, bytes } = await saveAnswer(() => postSoon(this.#viewer.server, cloud.id, 'points', question, saving.signal), target, (done) => {
+      const { response, bytes } = await saveAnswer(() => ask(saving.signal), target, (done) => {
         if (performance.now() - shown < 120) return;
         shown = performance.now();
         this.#say(words.saving(sizeText(done), expected && sizeText(expected)));

@@ -4,7 +4,7 @@
 /** What a browser is asked to take that has no files to write into: more than this is said to be too much. */
 export const mostInBlob = 2e9;
 
-const types = { las: 'application/vnd.las', ply: 'application/octet-stream', csv: 'text/csv', txt: 'text/plain', png: 'image/png' };
+const types = { las: 'application/vnd.las', ply: 'application/octet-stream', csv: 'text/csv', txt: 'text/plain', png: 'image/png', tif: 'image/tiff' };
 
 let isRefused = false; // a browser that could, and may not here: a page within another website's
 

@@ -32,6 +32,7 @@ export const card = `
       <button type="button" id="open-project" data-tip="openProjectTip" data-text="openProject"></button>
       <input type="file" id="project-file" accept=".json,application/json" hidden>
     </div>
+    <p id="export-no-system" class="note" data-text="noSystem" hidden></p>
   </details>
   <p id="measure-said" role="status"></p>
 </section>

@@ -1,5 +1,5 @@
 // Measures as files: CSV, DXF (R12), GeoJSON. All in the scan's own coordinates, which CSV and DXF say; GeoJSON is WGS 84 by its
-// definition (RFC 7946), so it is written only where the scan's coordinates are that. Pure.
+// definition (RFC 7946): where the scan's coordinates are another system's, the server has said where its points lie in that. Pure.
 
 import { exactText, heightFactor, valueText, unitOf } from './units.js';
 import { figureOf, kinds, valuesOf } from './values.js';
@@ -10,6 +10,8 @@ const noteKind = 'Note';
 /** EPSG codes of WGS 84 in degrees, without and with height. */
 const wgs84 = [4326, 4979];
 export const isWgs84 = (cloud) => wgs84.includes(Number(cloud?.crsEpsg));
+/** Whether a server can say where in WGS 84 its points lie, as far as that is known before it is asked. */
+export const hasSystem = (cloud) => Boolean(cloud?.crsEpsg || cloud?.crsWkt || cloud?.crs);
 
 const mainOf = (measure, cloud) => valuesOf(measure, heightFactor(cloud))[0];
 /** The scan's unit, whatever the page shows. */
@@ -93,17 +95,24 @@ export function dxfOf(list, cloud, kindWords, shownUnit) {
   return lines.map((line) => `${line}\r\n`).join('');
 }
 
-function geometryOf({ kind, points }) {
+function geometryOf(kind, points) {
   if (points.length === 1) return { type: 'Point', coordinates: points[0] };
   if (kinds[kind].closed) return { type: 'Polygon', coordinates: [[...points, points[0]]] };
   return kind === 'circle' || kinds[kind].fits ? { type: 'MultiPoint', coordinates: points } : { type: 'LineString', coordinates: points };
 }
 
-/** RFC 7946, of a scan whose coordinates are WGS 84 (isWgs84()). Lengths of such a scan are degrees, and not written. */
-export function geoJsonOf(list) {
-  const features = list.map((measure) => {
-    const { name, kind, note } = measure;
-    return { type: 'Feature', properties: note ? { name, kind: noteKind.toLowerCase(), ...note } : { name, kind }, geometry: geometryOf(measure) };
+/**
+ * RFC 7946. `lonlat`: of each point of the list, in its order, [longitude, latitude]; without it the scan's coordinates are these (isWgs84()). Heights of
+ * other systems are no third coordinate of WGS 84: they stand beside, as in the file. Lengths in degrees are none, and not written.
+ */
+export function geoJsonOf(list, lonlat = undefined) {
+  let next = 0;
+  const features = list.map(({ name, kind, note, points }) => {
+    const places = lonlat ? lonlat.slice(next, next + points.length) : points;
+    next += points.length;
+    const about = note ? { name, kind: noteKind.toLowerCase(), ...note } : { name, kind };
+    const heights = lonlat ? { heights: points.map(([, , z]) => z) } : {};
+    return { type: 'Feature', properties: { ...about, ...heights }, geometry: geometryOf(kind, places) };
   });
   return `${JSON.stringify({ type: 'FeatureCollection', features }, undefined, 1)}\n`;
 }

@@ -4,9 +4,10 @@
 
 import { mostNotes, pointOf } from '../annotate/notes.js';
 import { measure as words } from '../page/strings/measure.js';
+import { strings } from '../page/strings.js';
 import { parseHash } from '../view/view_hash.js';
 import { mostTours, mostViews, toursOf } from '../views/saved.js';
-import { csvOf, dxfOf, geoJsonOf, isWgs84 } from './export.js';
+import { csvOf, dxfOf, geoJsonOf, hasSystem, isWgs84 } from './export.js';
 import { acceptFiles, download, readProject } from './files.js';
 import { parseMeasures, printMeasures } from './link.js';
 import { unknownOf } from './measures.js';
@@ -62,7 +63,8 @@ export class Keeping {
       if (known?.isOlder && measures.length + notes.length > 0) this.#page.overlays.toast(messages.otherState, messages.otherStateDetail);
     }
     this.#cloud = cloud;
-    find('export-geojson').hidden = !isWgs84(cloud);
+    find('export-geojson').hidden = !isWgs84(cloud) && !hasSystem(cloud);
+    find('export-no-system').hidden = !find('export-geojson').hidden;
     if (!this.#next || (this.#next.cloud && this.#next.cloud !== cloud.id)) return;
     const { use } = this.#next;
     this.#next = undefined;
@@ -136,11 +138,23 @@ export class Keeping {
     this.#page.overlays.toast(messages.saved, name, 'done');
   }
 
+  /** Of a scan in another coordinate system, the server says where its points are in WGS 84. */
+  async #saveGeoJson() {
+    const cloud = this.#cloud;
+    const points = this.#points;
+    try {
+      const lonlat = isWgs84(cloud) ? undefined : await this.#viewer.server.lonlat(cloud.id, points.flatMap((one) => one.points));
+      if (cloud === this.#cloud) this.#download('geojson', 'application/geo+json', () => geoJsonOf(points, lonlat));
+    } catch (/** @type {any} */ error) {
+      this.#page.overlays.toast(messages.noGeoJson, error.title ? error.message : strings.messages.noAnswer);
+    }
+  }
+
   #connectFiles() {
     const on = (id, act) => find(id).addEventListener('click', act);
     on('export-csv', () => this.#download('csv', 'text/csv', () => csvOf(this.#points, this.#cloud, words.kinds)));
     on('export-dxf', () => this.#download('dxf', 'image/vnd.dxf', () => dxfOf(this.#points, this.#cloud, words.kinds, unitOf(this.#cloud.crsUnit, this.#page.unit()))));
-    on('export-geojson', () => this.#download('geojson', 'application/geo+json', () => geoJsonOf(this.#points)));
+    on('export-geojson', () => this.#saveGeoJson());
     on('save-project', () => this.save());
     acceptFiles(find('open-project'), find('project-file'), (file) => this.open(file));
   }

@@ -2,6 +2,7 @@
 // is text and buttons, so it is the measurements' other face: for keys and for screen readers.
 
 import { Choices } from '../page/choices.js';
+import { focusOn, headOf, keyed, leavesByEscape } from '../page/entries.js';
 import { icon } from '../page/icons.js';
 import { element } from '../page/parameter_fields.js';
 import { measure as words } from '../page/strings/measure.js';
@@ -102,32 +103,16 @@ export class Panel {
   }
 
   /** `key`: of a control in the list, such as "row-3". */
-  focus(key) {
-    const found = find('measure-list').querySelector(`[data-key="${CSS.escape(key)}"]`);
-    found?.focus({ preventScroll: false });
-    return Boolean(found);
-  }
-
-  #button(key, properties, act) {
-    const button = element('button', { type: 'button', ...properties });
-    button.dataset.key = key;
-    button.addEventListener('click', act);
-    return button;
-  }
+  focus(key) { return focusOn(find('measure-list'), key); }
 
   #row(measure, isOpen, unit) {
-    const { id, name, visible } = measure;
+    const { id, visible } = measure;
     const does = this.#does;
     const [main] = valuesOf(measure, heightFactor(this.#cloud));
     const shown = unitOf(this.#cloud?.crsUnit, unit);
-    const head = this.#button(`row-${id}`, { className: 'name' }, () => does.select(isOpen ? undefined : id));
-    head.append(element('span', { textContent: name }), element('b', { textContent: main ? valueText(main, shown) : '' }));
-    head.setAttribute('aria-expanded', String(isOpen));
-    const eye = this.#button(`eye-${id}`, { className: 'eye', title: words.showTip }, () => does.change(id, { visible: !visible }));
-    eye.append(icon(visible ? 'shown' : 'unshown'));
-    eye.setAttribute('aria-label', words.show(name));
-    eye.setAttribute('aria-pressed', String(visible));
-    const row = element('li', { className: visible ? '' : 'unshown' }, element('div', { className: 'head' }, eye, head));
+    const head = headOf(measure, isOpen, words, { show: (isShown) => does.change(id, { visible: isShown }), open: () => does.select(isOpen ? undefined : id) },
+      element('b', { textContent: main ? valueText(main, shown) : '' }));
+    const row = element('li', { className: visible ? '' : 'unshown' }, head);
     if (isOpen) {
       row.append(this.#details(measure, shown));
       row.addEventListener('keydown', (event) => {
@@ -166,6 +151,7 @@ export class Panel {
     const field = element('input', { type: 'text', value: name, maxLength: longestName, autocomplete: 'off' });
     field.dataset.key = `name-${id}`;
     field.addEventListener('change', () => does.change(id, { name: field.value.trim() || name }));
+    leavesByEscape(field, () => this.focus(`row-${id}`));
     const values = valuesOf(measure, heightFactor(this.#cloud));
     const notes = [];
     const { asks, closed } = kinds[kind];
@@ -173,9 +159,9 @@ export class Panel {
     else if (values.length === 0 && kind !== 'point') notes.push(words.noValue);
     if (closed && crossesItself(points)) notes.push(words.crosses);
     const places = points.map((point, index) => {
-      const again = this.#button(`again-${id}-${index}`, { textContent: words.placeAgain, title: words.placeAgainLabel(index + 1), className: 'small' }, () => does.again(id, index));
+      const again = keyed(`again-${id}-${index}`, { textContent: words.placeAgain, title: words.placeAgainLabel(index + 1), className: 'small' }, () => does.again(id, index));
       again.setAttribute('aria-label', words.placeAgainLabel(index + 1));
-      const gone = this.#button(`gone-${id}-${index}`, { textContent: words.removePoint, className: 'small' }, () => does.removePoint(id, index));
+      const gone = keyed(`gone-${id}-${index}`, { textContent: words.removePoint, className: 'small' }, () => does.removePoint(id, index));
       gone.setAttribute('aria-label', words.removePointLabel(index + 1));
       const canGo = points.length > kinds[kind].least;
       return element('li', {}, element('span', { textContent: placeText(point, step) }), again, ...(canGo ? [gone] : []));
@@ -188,9 +174,9 @@ export class Panel {
       element('ol', { ariaLabel: words.points }, ...places),
       element('p', { className: 'note', textContent: step > 0 ? words.step(stepText(step, this.#cloud ?? {})) : '' }),
       element('div', { className: 'buttons' },
-        ...(asks && (measure.trouble !== undefined || measure.answer) ? [this.#button(`ask-${id}`, { textContent: words.askAgain }, () => does.tell(id, { answer: undefined, trouble: undefined }))] : []),
-        this.#button(`zoom-${id}`, { textContent: words.zoom }, () => does.zoom(id)),
-        this.#button(`copy-${id}`, { textContent: words.copy }, () => does.copy(id)),
-        this.#button(`remove-${id}`, { textContent: words.remove }, () => does.remove(id))));
+        ...(asks && (measure.trouble !== undefined || measure.answer) ? [keyed(`ask-${id}`, { textContent: words.askAgain }, () => does.tell(id, { answer: undefined, trouble: undefined }))] : []),
+        keyed(`zoom-${id}`, { textContent: words.zoom }, () => does.zoom(id)),
+        keyed(`copy-${id}`, { textContent: words.copy }, () => does.copy(id)),
+        keyed(`remove-${id}`, { textContent: words.remove }, () => does.remove(id))));
   }
 }

@@ -1,7 +1,9 @@
 // What colours show: a tile with a swatch for everything that this scan can be coloured by, and the ramp and its ends for those that
 // have one.
 
+import { colorOf, columnOf } from '../protocol/view_words.js';
 import { Choices } from './choices.js';
+import { columnIn, columnsOf, columnTitle } from './columns.js';
 import { NumberField, rangeRefusal } from './number_field.js';
 import { element } from './parameter_fields.js';
 import { strings } from './strings.js';
@@ -17,21 +19,23 @@ const mayLack = ['rgb', 'cir', 'intensity', 'classification', 'normal', 'curvatu
 
 const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);
 /** 'rgb*intensity' → ['rgb', 'intensity']: what colours come from, and what makes it brighter. */
-const factorsOf = (color) => (color ?? '').split('*');
+const factorsOf = (color) => (columnOf(color) === undefined ? (color ?? '').split('*') : [color]);
 
 /**
  * What a cloud can be coloured by, and what not: { options, missing: [{ value, label, reason }] }. Intensity as a factor is no
  * choice of its own but a box beside them. Pure.
  */
-export function colourOptions(colors, cloud, method) {
+export function colourOptions(colors, cloud, method, isTogether = false) {
   const has = (attribute) => (cloud?.attributes ?? []).some((one) => one.name === attribute);
   const reasonFor = (color) => {
     if (mayLack.includes(color) && !has(color)) return words.notInScan;
+    if (color === 'cloud' && !isTogether) return words.onlyTogether;
     return color === 'visibility' && method !== findsHidden ? words.onlyReconstructed : '';
   };
   const all = [...colors.filter((color) => !color.includes('*')), 'flat']
     .map((color) => ({ value: color, label: named(words.names, color), swatch: `swatch-${color}`, reason: reasonFor(color) }));
-  return { options: all.filter(({ reason }) => !reason), missing: all.filter(({ reason }) => reason) };
+  const columns = columnsOf(cloud).map(({ name, description }) => ({ value: colorOf(name), label: columnTitle(name), tip: description, swatch: 'swatch-column' }));
+  return { options: [...all.filter(({ reason }) => !reason), ...columns], missing: all.filter(({ reason }) => reason) };
 }
 
 /** Whether what colours come from can be made darker where intensity is low. Pure. */
@@ -80,13 +84,13 @@ export class ColourChoice {
     this.#view = view;
     const [source, by] = factorsOf(view.color);
     const flat = source.startsWith('#');
-    this.#offer(view.method);
+    this.#offer(view);
     this.#choice.show(flat ? 'flat' : source);
     find('flat-colour').hidden = !flat;
     if (flat) find('flat-color').value = source;
     find('shade-by-intensity').hidden = !takesIntensity(source, this.#colors, this.#cloud);
     find('by-intensity').checked = by === 'intensity';
-    find('ramp').hidden = !withRamp.includes(source);
+    find('ramp').hidden = !withRamp.includes(source) && columnOf(source) === undefined;
     this.#ramps.show(view.colormap);
     const usual = this.#usualRange(view.color);
     ['range-low', 'range-high'].forEach((id, i) => {
@@ -104,16 +108,17 @@ export class ColourChoice {
     this.show(this.#view);
   }
 
-  #offer(method) {
-    const offered = JSON.stringify([this.#cloud?.id, this.#cloud?.attributes, method === findsHidden]);
+  #offer({ method, with: others }) {
+    const isTogether = (others?.length ?? 0) > 0;
+    const offered = JSON.stringify([this.#cloud?.id, this.#cloud?.attributes, this.#cloud?.columns, method === findsHidden, isTogether]);
     if (offered === this.#offered) return;
     this.#offered = offered;
-    const { options, missing } = colourOptions(this.#colors, this.#cloud, method);
+    const { options, missing } = colourOptions(this.#colors, this.#cloud, method, isTogether);
     this.#choice.fill(options);
-    const lacking = missing.filter(({ value }) => value !== 'visibility').map(({ label }) => label);
+    const lacking = missing.filter(({ reason }) => reason === words.notInScan).map(({ label }) => label);
     find('color-note').textContent = [
       lacking.length > 0 ? words.notInScanAre(lacking.join(', ')) : '',
-      missing.length > lacking.length ? words.hiddenPoints : '',
+      missing.some(({ value }) => value === 'visibility') ? words.hiddenPoints : '',
     ].filter(Boolean).join(' ');
   }
 
@@ -131,6 +136,8 @@ export class ColourChoice {
     const [source] = factorsOf(color);
     if (this.#told.has(source)) return this.#told.get(source);
     if (source === 'elevation' && bounds) return [bounds.min[2], bounds.max[2]];
+    const column = columnIn(source, this.#cloud);
+    if (column) return column.usual ?? column.range;
     return (this.#cloud?.attributes ?? []).find((one) => one.name === source)?.range;
   }
 

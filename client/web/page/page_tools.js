@@ -3,21 +3,24 @@
 
 import { acceptDrops, keepsSome, measuresIn } from '../measure/beginning.js';
 import { Reading } from '../measure/reading.js';
+import { knowsColumns } from './columns.js';
 import { LazyPart, LazyTools } from './lazy_tools.js';
 import { strings } from './strings.js';
 
 const words = strings.tools;
 
-/** Whether a server cuts by shapes: older ones do not have that word. */
-const knowsClips = (cloud) => Object.hasOwn(cloud?.view ?? {}, 'clips');
+/** Whether a server cuts by shapes, and shows several clouds: older ones do not have those words. */
+const [knowsClips, knowsTogether] = ['clips', 'with'].map((word) => (cloud) => Object.hasOwn(cloud?.view ?? {}, word));
 
 export class PageTools {
+  #viewer;
   #lazy;
   #rest; // of the tools: those that only some servers and scans have
   #arrived = ''; // measures of an address, until measuring has read them
   #compared = ''; // the same of two sides
   #savedViews;
   #picture;
+  #photos;
 
   /**
    * `page`: { overlays (messages), hash() (the view as an address says it), changed() (hears that the address has something new to say), galleries(),
@@ -67,6 +70,14 @@ export class PageTools {
         id: 'clip', label: words.clip, tip: words.clipTip, icon: 'clip', key: 'x', styles: ['card.css', 'clip.css'],
         load: async (active) => new (await import('../clip/clipping.js')).Clipping(viewer, active),
       } },
+      { offered: knowsColumns, tool: {
+        id: 'filter', label: words.filter, tip: words.filterTip, icon: 'filter', key: 'b', styles: ['card.css', 'filter.css'],
+        load: async (active) => new (await import('../filter/filtering.js')).Filtering(viewer, { ...page, active }),
+      } },
+      { offered: knowsTogether, tool: {
+        id: 'together', label: words.together, tip: words.togetherTip, icon: 'together', key: 'u', styles: ['card.css', 'together.css'],
+        load: async (active) => new (await import('../together/together.js')).Together(viewer, active),
+      } },
     ];
     this.#lazy.add({
       id: 'profile', label: words.profile, tip: words.profileTip, icon: 'profile', key: 't', styles: ['card.css', 'measure.css', 'profile.css'],
@@ -77,6 +88,11 @@ export class PageTools {
       load: async () => new (await import('../export/exporting.js')).Exporting(viewer, { ...page, outlines: () => this.#lazy.made('measure')?.outlines ?? [] }),
     }, page.overlays);
     rail.register({ id: 'export', label: words.export, tip: words.exportTip, icon: 'export', activate: async () => (await exporting.get())?.open() });
+    this.#photos = new LazyPart({
+      styles: ['photos.css'],
+      load: async () => new (await import('./photos.js')).Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize),
+    }, page.overlays);
+    this.#viewer = viewer;
     acceptDrops(async (file) => (await this.#lazy.get('measure'))?.open(file));
   }
 
@@ -84,6 +100,16 @@ export class PageTools {
   show(cloud) {
     for (const { offered, tool } of this.#rest) if (!this.#lazy.has(tool.id) && offered(cloud)) this.#lazy.add(tool);
     if (!this.#lazy.made('measure') && keepsSome(cloud)) this.#lazy.get('measure');
+    this.#withPhotos((photos) => photos.show(this.#viewer.cloud));
+  }
+
+  /** Somebody goes to that scan position. */
+  atStation(station) { this.#withPhotos((photos) => photos.at(station)); }
+
+  /** Photos come with the first scan that has some. */
+  async #withPhotos(use) {
+    const photos = this.#photos.made ?? (this.#viewer.cloud?.photos > 0 && await this.#photos.get());
+    if (photos) use(photos);
   }
 
   /** The gallery of views is open. */

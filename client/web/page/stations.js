@@ -1,6 +1,5 @@
 // Where the scanner stood: a list in the panel, for clouds whose scan says it; choosing one goes there.
 
-import { photosText } from './photos.js';
 import { counted, strings } from './strings.js';
 
 /** @type {(id: string) => any} */
@@ -11,7 +10,7 @@ const mostListed = 500; // a longer menu helps nobody; the API has them all
 export function labelOfStation({ name, points, photos = [] }) {
   const has = [];
   if (points > 0) has.push(counted(points, 'point'));
-  if (photos.length > 0) has.push(photosText(photos.length));
+  if (photos.length > 0) has.push(strings.photos.many(photos.length));
   return has.length > 0 ? `${name} (${has.join(', ')})` : name;
 }
 

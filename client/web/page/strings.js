@@ -50,6 +50,8 @@ export const strings = {
     lookTip: 'Look around: drag to turn your head (L switches)',
     measure: 'Measure',
     measureTip: 'Measure: distances, heights, angles, areas, circles (M)',
+    filter: 'Filter',
+    filterTip: 'Filter by values: intensity, GPS time, returns … (B)',
     clip: 'Cut',
     clipTip: 'Cut the scan by boxes and half-spaces (X)',
     profile: 'Profile',
@@ -58,12 +60,14 @@ export const strings = {
     annotate: 'Notes',
     annotateTip: 'Notes at points of the scan (I)',
     viewsTip: 'Suggested and saved views of this scan (V); J plays a tour',
+    together: 'Together',
+    togetherTip: 'Show other clouds with this one: neighbours, epochs (U)',
     compare: 'Compare',
     compareTip: 'Compare two methods, colourings or clouds (K)',
     picture: 'Picture',
     pictureTip: 'Save this view as a picture, of any size',
     export: 'Export',
-    exportTip: 'Export points as LAS, PLY or CSV',
+    exportTip: 'Export points, elevation and orthophoto; addresses for maps',
     present: 'Present',
     presentTip: 'Presentation mode: the picture and nothing else (H)',
     notLoaded: 'This tool could not be loaded',
@@ -143,7 +147,7 @@ export const strings = {
     title: 'Colour',
     names: {
       auto: 'Automatic', rgb: 'RGB', cir: 'Infrared', intensity: 'Intensity', elevation: 'Elevation', classification: 'Classification',
-      normal: 'Normals', curvature: 'Curvature', depth: 'Depth', lod: 'Level of detail', visibility: 'Hidden points', flat: 'Single colour',
+      normal: 'Normals', curvature: 'Curvature', depth: 'Depth', lod: 'Level of detail', visibility: 'Hidden points', flat: 'Single colour', cloud: 'By cloud',
     },
     single: 'Single colour',
     ramp: 'Colour ramp',
@@ -154,9 +158,20 @@ export const strings = {
     highHint: 'max',
     notInScan: 'not in this scan',
     notInScanAre: (names) => `Not in this scan: ${names}.`,
+    onlyTogether: 'only of clouds that are shown together',
     onlyReconstructed: 'only with the method “Reconstructed surface”',
     hiddenPoints: 'Hidden points are shown by the method “Reconstructed surface” only.',
     byIntensity: 'Shade by intensity',
+  },
+
+  /** What scans keep beside what is drawn, and in what; others are called what the file calls them. */
+  columns: {
+    names: {
+      intensity: 'Intensity', classification: 'Classification', gps_time: 'GPS time', return_number: 'Return number', number_of_returns: 'Number of returns', scan_angle: 'Scan angle',
+      point_source_id: 'Point source', user_data: 'User data', scan_direction: 'Scan direction', edge_of_flight_line: 'Edge of flight line', scanner_channel: 'Scanner channel',
+      scan_number: 'Scan', distance: 'Distance', nir: 'Near infrared',
+    },
+    units: { gps_time: 's', scan_angle: '°' },
   },
 
   lighting: {

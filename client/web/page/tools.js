@@ -11,8 +11,8 @@ import { icon } from './icons.js';
 /** The rail from its top to its end; a line stands between two groups that both have tools. */
 export const places = [
   ['orbit', 'look', 'fly'],
-  ['measure', 'clip', 'profile', 'annotate'],
-  ['views', 'compare', 'picture', 'export', 'present'],
+  ['measure', 'clip', 'filter', 'profile', 'annotate'],
+  ['views', 'together', 'compare', 'picture', 'export', 'present'],
 ];
 
 /** Where a tool stands: [group, place in it]; what the rail does not know comes last. Pure. */

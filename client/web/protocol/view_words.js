@@ -9,6 +9,8 @@ const numbers = (values) => values.map(number).join(',');
 
 const plainNumber = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 const shortName = /^[A-Za-z0-9._-]{1,64}$/;
+const shortCloud = /^[A-Za-z0-9._-]{1,80}$/;
+const columnName = /^\P{Cc}{1,256}$/u; // the file's own word
 const parameterName = /^[A-Za-z0-9]{1,64}$/;
 const hexColor = /^#?[0-9a-f]{6}$/i;
 const byIntensity = '*intensity';
@@ -55,14 +57,21 @@ const flag = { read: (text) => ({ true: true, false: false })[text], print: Stri
 const share = numeric(0, 1);
 const length = numeric(1e-9, farthest);
 
+const byColumn = 'column:';
+/** The column that a colour comes from; undefined where it is none's. */
+export const columnOf = (color) => (color?.startsWith(byColumn) ? color.slice(byColumn.length) : undefined);
+export const colorOf = (column) => byColumn + column;
+
 const color = {
   read(text) {
+    const name = columnOf(text);
+    if (name !== undefined) return columnName.test(name) ? text : undefined;
     const by = text.endsWith(byIntensity) ? byIntensity : '';
     const source = text.slice(0, text.length - by.length);
     if (hexColor.test(source)) return withHash(source) + by;
     return shortName.test(source) ? source + by : undefined;
   },
-  print: (value) => value.replace('#', ''),
+  print: (value) => value.replace(/^#/, ''),
 };
 const background = {
   read(text) {
@@ -111,13 +120,82 @@ function printShape({ box: turned, plane, keep }) {
   return `${keep === 'outside' ? '-' : ''}box:${numbers([...turned.center, ...turned.size, ...turn])}`;
 }
 
-export const mostShapes = 8;
-const shapes = {
+/** Several, with `;` between them. */
+const listWord = (most, read, print) => ({
   read(text) {
-    const values = text.split(';').map(readShape);
-    return values.length <= mostShapes && !values.includes(undefined) ? values : undefined;
+    const values = text.split(';').map(read);
+    return values.length <= most && !values.includes(undefined) ? values : undefined;
   },
-  print: (values) => (values.length > 0 ? values.map(printShape).join(';') : 'auto'),
+  print: (values) => (values.length > 0 ? values.map(print).join(';') : 'auto'),
+});
+
+export const mostShapes = 8;
+const shapes = listWord(mostShapes, readShape, printShape);
+
+
+/** NAME:LOW..HIGH, one of the ends perhaps left out. */
+function readFilter(text) {
+  const [, name = '', low, high] = /^(.*):([^:]*?)\.\.([^:]*)$/s.exec(text) ?? [];
+  const column = name.replaceAll('%3B', ';').replaceAll('%25', '%');
+  const ends = Object.fromEntries(Object.entries({ low, high }).filter(([, end]) => end !== '').map(([key, end = '']) => [key, readNumber(end)]));
+  const values = Object.values(ends);
+  return columnName.test(column) && values.length > 0 && !values.includes(undefined) && !(ends.low > ends.high) ? { column, ...ends } : undefined;
+}
+
+const printFilter = ({ column, low, high }) =>
+  `${column.replaceAll('%', '%25').replaceAll(';', '%3B')}:${[low, high].map((end) => (end === undefined || end === null ? '' : number(end))).join('..')}`;
+
+export const mostFilters = 4;
+const filters = listWord(mostFilters, readFilter, printFilter);
+
+/** A cloud that is shown together with this one; `.` is this one itself. */
+function readMember(text) {
+  const [id, ...parts] = text.split(',');
+  if (!shortCloud.test(id)) return undefined;
+  const member = { cloud: id };
+  for (const part of parts) {
+    const [key, ...values] = part.split(':');
+    const shift = key === 'shift' && values.length === 3 ? tuple(3).read(values.join(',')) : undefined;
+    if (shift) member.shift = shift;
+    else if (key === 'tint' && values.length === 1 && hexColor.test(values[0])) member.tint = withHash(values[0]);
+    else if (part === 'hidden') member.hidden = true;
+    else return undefined;
+  }
+  return member;
+}
+
+const printMember = ({ cloud, shift, tint, hidden }) => [
+  cloud, shift?.some((value) => value !== 0) && `shift:${shift.map(number).join(':')}`, tint && `tint:${tint.replace('#', '')}`, hidden && 'hidden',
+].filter(Boolean).join(',');
+
+export const mostMembers = 64;
+const members = listWord(mostMembers, readMember, printMember);
+
+/** A cloud of several: its name, and what is said of it. */
+function readCloud(text) {
+  const [cloud, ...parts] = text.split(',');
+  const made = { cloud, shift: [0, 0, 0], tint: null, hidden: false };
+  for (const part of parts) {
+    const [kind, ...values] = part.split(':');
+    const shift = values.map(readNumber);
+    if (part === 'hidden') made.hidden = true;
+    else if (kind === 'tint' && /^#?[0-9a-f]{6}$/i.test(values[0])) made.tint = `#${values[0].replace('#', '')}`;
+    else if (kind === 'shift' && shift.length === 3 && shift.every((value) => Math.abs(value) <= farthest)) made.shift = shift;
+    else return undefined;
+  }
+  return shortCloud.test(cloud) ? made : undefined;
+}
+
+const printCloud = ({ cloud, shift, tint, hidden }) => [cloud, ...(shift?.some((value) => value !== 0) ? [`shift:${shift.map(number).join(':')}`] : []),
+  ...(tint ? [`tint:${tint.slice(1)}`] : []), ...(hidden ? ['hidden'] : [])].join(',');
+
+export const mostClouds = 64;
+const clouds = {
+  read(text) {
+    const values = text.split(';').map(readCloud);
+    return values.length <= mostClouds && !values.includes(undefined) ? values : undefined;
+  },
+  print: (values) => (values.length > 0 ? values.map(printCloud).join(';') : 'auto'),
 };
 
 const plain = (word, kind) => ({ word, at: [word], ...kind });
@@ -132,6 +210,7 @@ const table = [
   open('range', tuple(2, ([low, high]) => low < high)), open('shading', named),
   plain('mirrors', flag), plain('behindMirrors', flag), plain('background', background), open('detail', numeric(0, 1024)),
   rare(open('exposure', numeric(-3, 3))), rare(open('classes', classes)), rare(open('clip', box)), rare(open('clips', shapes)),
+  rare(open('filter', filters)), rare(plain('with', { read: (text) => (text === 'none' ? null : members.read(text)), print: members.print })),
   light('ambient', share), light('headlight', share), light('sunlight', share), light('shine', share), light('shadow', share),
   { ...light('occlusion', share), auto: true },
   { ...light('sun', tuple(2, ([around, above]) => Math.abs(around) <= 360 && above >= 0 && above <= 90)), auto: true },

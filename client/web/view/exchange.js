@@ -15,6 +15,9 @@ export class Exchange {
   #firstWanted = 0; // frames of earlier views are not what the user asked for
   #hasMargins = true; // as long as the server draws them
 
+  /** askable(view): what of it can be asked for by now; it is wanted all the same. */
+  askable = (view) => view;
+
   /** What the latest pictures have seen of the surface (seen.js), the newest first. */
   seen = [];
 
@@ -27,7 +30,7 @@ export class Exchange {
   /** All that is asked for, as the protocol has it. */
   get wanted() { return this.#state.wanted; }
 
-  get hasNews() { return this.#state.hasNews(); }
+  get hasNews() { return this.#state.hasNews(this.askable(this.wanted)); }
 
   /** Whether the picture of view number `seq` is one of what is shown now, and not of an earlier cloud. */
   isOfThis(seq) { return seq >= this.#firstWanted; }
@@ -55,8 +58,9 @@ export class Exchange {
   send(connection, camera, isMoving) {
     // While the line is full, requests overwrite each other here: the next tick sends the newest.
     if (connection.congested) return undefined;
-    const larger = isMoving && this.#hasMargins ? withMargin(this.wanted, this.#picture.mostPixels) : undefined;
-    const changes = this.#state.take(connection.nextSeq, larger?.view ?? this.wanted);
+    const asked = this.askable(this.wanted);
+    const larger = isMoving && this.#hasMargins ? withMargin(asked, this.#picture.mostPixels) : undefined;
+    const changes = this.#state.take(connection.nextSeq, larger?.view ?? asked);
     if (!changes) return undefined;
     const seq = connection.sendView(changes);
     this.#asked.set(seq, { camera, stretch: larger?.stretch });
@@ -66,7 +70,7 @@ export class Exchange {
 
   /** What is wanted, as a hello says it, which gives it that number. */
   say(seq, camera) {
-    const { cloud, ...view } = this.wanted;
+    const { cloud, ...view } = this.askable(this.wanted);
     this.#said = { seq, camera };
     this.#asked.set(seq, { camera });
     return view;

@@ -31,6 +31,8 @@ export const keyTable = [
   ['L', 'switch dragging between orbit and look around'],
   ['O', 'perspective or orthographic'],
   ['M', 'measure; then Space takes the point in the middle'],
+  ['B', 'filter by values'],
+  ['U', 'show other clouds together'],
   ['X', 'cut by boxes'],
   ['T', 'profile along a line'],
   ['I', 'notes'],

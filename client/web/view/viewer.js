@@ -28,7 +28,7 @@ import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from '
 import { CameraInput } from './camera_input.js';
 import { cameraOf, wireOf } from './camera_words.js';
 import { Picture } from './picture.js';
-import { pick, restyled, usualStyle, usualUpAxis } from './usual.js';
+import { askable, boundsOf, pick, restyled, usualStyle, usualUpAxis } from './usual.js';
 
 /** What stays when somebody goes to another cloud, if he chose it: a way of drawing; nothing that only one of them may have. */
 const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap', 'budget', 'samples',
@@ -92,6 +92,7 @@ export class Viewer extends EventTarget {
       this.#wake();
     }, () => this.#tell('shown'));
     this.#exchange = new Exchange(canvas, this.#picture);
+    this.#exchange.askable = (view) => askable(view, this.#cloud);
     this.#firstViews = new FirstViews(server);
     this.#session = new Session(server, {
       state: (now) => {
@@ -149,7 +150,8 @@ export class Viewer extends EventTarget {
   get view() { return this.#exchange.wanted; }
   /** The part of the canvas that nothing lies over. */
   get #free() { return this.freeSize(this.#picture.cssSize); }
-  get bounds() { return this.#cloud?.bounds ?? unitBox; }
+  /** Of all that is shown, where other clouds are shown with this one. */
+  get bounds() { return boundsOf(this.#cloud, this.view.with, this.#catalog.clouds) ?? unitBox; }
   /** What is asked for, as restore() takes it - in flight, where that leads to; undefined where nothing is shown. */
   get place() {
     if (!this.#camera || !this.#cloud) return undefined;
@@ -314,6 +316,10 @@ export class Viewer extends EventTarget {
     if (!this.#cloud) return;
     this.#styled = true;
     this.#exchange.change(changes);
+    if (changes.with !== undefined && this.#camera) { // without perspective, the eye stands before all that is shown
+      this.#camera = { ...this.#camera };
+      this.#exchange.change({ camera: wireOf(this.#camera, this.bounds) });
+    }
     this.#tell('view', { by });
     this.#wake();
   }
@@ -420,7 +426,7 @@ export class Viewer extends EventTarget {
   /** All of the cloud from the direction that the camera has: as at first, where that is the first one. */
   #everything(room) {
     const first = this.usualCamera(this.#cloud, this.#camera.upAxis);
-    const isFirst = ['azimuth', 'elevation', 'fov', 'projection'].every((key) => first[key] === this.#camera[key]);
+    const isFirst = !this.view.with && ['azimuth', 'elevation', 'fov', 'projection'].every((key) => first[key] === this.#camera[key]);
     return isFirst ? first : fit(this.#camera, ...room);
   }
 
@@ -476,6 +482,7 @@ export class Viewer extends EventTarget {
     this.#cloud = fresh;
     if (this.#moved || this.#styled) {
       this.#tell('cloud', fresh);
+      this.#wake(); // it may know more columns now
       return;
     }
     this.#camera = this.usualCamera();

@@ -8,6 +8,7 @@
 #include "files/machine.hpp"
 #include "renderer/cloud/build/cloud_builder.hpp"
 #include "renderer/cloud/build/many_scans.hpp"
+#include "renderer/cloud/build/nodes/inner_columns.hpp"
 #include "renderer/cloud/build/plan/finish_file.hpp"
 #include "renderer/cloud/build/plan/ingest_room.hpp"
 #include "renderer/cloud/build/revision.hpp"
@@ -66,6 +67,8 @@ Expected<IngestReport> finishFile(BuiltCloud built, const IngestOptions& options
     report.facts.attribution = options.attribution;
     report.facts.recorded = options.recorded;
     report.facts.mirrors = options.mirrors;
+    if (auto ok = addInnerColumns(report.facts, built.octree, file, options.threads, stop); !ok)
+        return passOn(ok);
     report.facts.revision = revisionOf(report.facts, built.octree);
     if (auto ok = file.finish(report.facts, built.octree.nodes, built.octree.planes, stop); !ok)
         return passOn(ok);

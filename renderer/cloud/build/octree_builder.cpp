@@ -25,8 +25,8 @@ namespace {
 /// Itself, its parent's pointer to it, and what it becomes when the tree is finished.
 constexpr std::uint64_t nodeBytes =
     sizeof(BuildNode) + 4 * sizeof(void*) + 2 * (sizeof(StoredNode) + sizeof(void*));
-/// And for each column: a leaf's own place, the finished tree's, its record.
-constexpr std::uint64_t columnBytes = 3 * sizeof(BlockPlace);
+/// And for each column: a leaf's own place, the finished tree's, its record; and the last two of inner nodes' plane.
+constexpr std::uint64_t columnBytes = 5 * sizeof(BlockPlace);
 
 struct LeafBlocks {
     BuildNode* leaf = nullptr;

@@ -89,6 +89,13 @@ std::string revisionOf(const CloudFacts& cloud, const BuiltOctree& octree) {
         addNode(add, octree.nodes[i].node);
         add(octree.sampleHashes[i]);
     }
+    // Pictures may be coloured and filtered by them.
+    for (const KeptColumn& kept : cloud.columns) {
+        add(kept.column.scale);
+        add(kept.column.offset);
+    }
+    if (!cloud.columns.empty())
+        for (const BlockPlace& place : octree.planes) add(place.checksum);
     return add.hex();
 }
 

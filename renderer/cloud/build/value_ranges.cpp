@@ -83,6 +83,13 @@ void ValueRanges::settle(CloudFacts& facts) const {
         usual.position[1][a] = high;
     }
     usual.intensity = {quantile(intensities_, 0.01), quantile(intensities_, 0.99)};
+    if (facts.attributes.intensity && intensity_[0] < intensity_[1]) {
+        const HistogramParts parts = histogramParts({double(intensity_[0]), double(intensity_[1])},
+                                                    usual.intensity, 1);
+        facts.intensityHistogram = parts.empty();
+        for (std::size_t value = 0; value < intensities_.size(); ++value)
+            addTo(*facts.intensityHistogram, double(value), intensities_[value]);
+    }
     usual.brightness = {quantile(brightness_, 0.05) / 255, quantile(brightness_, 0.5) / 255,
                         quantile(brightness_, 0.95) / 255};
     const bool oneIsAll = facts.points == 1;

@@ -67,6 +67,16 @@ void ValueSketch::join(const ValueSketch& other) {
         if (cell.count > 0) addCell(cell.key >> std::min(exponent_ - other.exponent_, 63), cell.count);
 }
 
+ValueHistogram ValueSketch::histogram(const HistogramParts& parts) const {
+    ValueHistogram histogram = parts.empty();
+    // A whole number stands where its cell begins, if cells are that narrow; of other values the middle is nearest.
+    const double within = parts.whole && exponent_ <= 0 ? 0 : 0.5;
+    for (const Cell& cell : table_)
+        if (cell.count > 0)
+            addTo(histogram, std::clamp((double(cell.key) + within) / scale_, low_, high_), cell.count);
+    return histogram;
+}
+
 double ValueSketch::quantile(double q) const {
     if (count_ == 0) return 0;
     std::vector<Cell> cells;

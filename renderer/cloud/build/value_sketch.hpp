@@ -9,6 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include "renderer/cloud/build/histogram_parts.hpp"
+
 namespace scancast {
 
 class ValueSketch {
@@ -21,6 +23,9 @@ class ValueSketch {
     double quantile(double q) const;
     /// 1st and 99th percentile.
     std::array<double, 2> usual() const { return {quantile(0.01), quantile(0.99)}; }
+
+    /// How many values lie in each part, to a cell's width; whole numbers exactly, where cells are no wider than they are apart.
+    ValueHistogram histogram(const HistogramParts& parts) const;
 
     /// As if its values had been added here.
     void join(const ValueSketch& other);

@@ -1,4 +1,5 @@
 #include "renderer/cloud/export/export_points.hpp"
+#include "renderer/cloud/columns/pictured_file.hpp"
 
 #include <fmt/format.h>
 
@@ -195,8 +196,11 @@ CloudPointsOptions cloudPointsOptions(const ExportOptions& options) {
     return what;
 }
 
-Expected<ExportReport> exportCloud(std::shared_ptr<const CloudFile> file, const ExportOptions& options,
+Expected<ExportReport> exportCloud(std::shared_ptr<const CloudFile> all, const ExportOptions& options,
                                    const ProgressSink& progress, std::stop_token stop) {
+    const auto pictured = picturedLeaves(std::move(all), options.region.filter);
+    if (!pictured) return passOn(pictured);
+    const auto& file = *pictured;
     const CloudPointsOptions what = cloudPointsOptions(options);
     const OpenPoints open = [&]() -> Expected<std::unique_ptr<PointSource>> {
         return cloudPoints(file, what);
@@ -220,6 +224,10 @@ Expected<ExportReport> exportCloud(std::shared_ptr<const CloudFile> file, const 
 
 Expected<ExportReport> exportScan(const OpenPoints& open, const ExportOptions& options,
                                   const ProgressSink& progress, std::stop_token stop) {
+    if (!options.region.filter.empty())
+        return fail(ErrorCode::Unsupported,
+                    "filter: is for cloud files; ingest the scan with --keep-attributes, and export that.",
+                    "filter");
     std::string format;
     const OpenPoints remembered = [&]() -> Expected<std::unique_ptr<PointSource>> {
         auto source = open();

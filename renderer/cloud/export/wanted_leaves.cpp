@@ -32,7 +32,7 @@ std::vector<WantedLeaf> wantedLeaves(const CloudFile& file, const CloudPointsOpt
         bool inside;
     };
     // Numbers of what is shown as it is are estimates.
-    const bool known = !file.isNative() && !(options.region && options.region->hasClasses());
+    const bool known = !file.countsVary() && !(options.region && options.region->hasClasses());
     std::vector<WantedLeaf> leaves;
     std::vector<Open> open;
     if (!file.nodes().empty()) open.push_back({0, !options.region && !options.corridor});

@@ -41,6 +41,8 @@ class CloudFile {
     /// It is a scan that is shown as it is, in its own octree (renderer/cloud/native): sampleCount and points of its nodes are
     /// estimates, and samples() says how many there are.
     virtual bool isNative() const { return false; }
+    /// Nodes may have another number of samples than their sampleCount says: samples() tells.
+    virtual bool countsVary() const { return isNative(); }
     /// Bytes that it takes itself beside its nodes, for as long as it is open.
     virtual std::uint64_t ownMemory() const { return 0; }
     /// No block can be had at present but those that have been: what they come from is out of reach.

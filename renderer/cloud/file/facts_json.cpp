@@ -30,11 +30,16 @@ Json rangeJson(const std::array<double, 2>& range) {
     return Json::array({0.0, 0.0});
 }
 
+Json histogramJson(const ValueHistogram& histogram) {
+    return {{"low", histogram.low}, {"high", histogram.high}, {"counts", histogram.counts}};
+}
+
 Json columnJson(const KeptColumn& kept) {
     const Column& c = kept.column;
     Json json{{"name", c.name},     {"type", name(c.type)},         {"scale", c.scale},
               {"offset", c.offset}, {"description", c.description}, {"range", rangeJson(kept.range)}};
     if (kept.usual) json["usual"] = rangeJson(*kept.usual);
+    if (kept.histogram) json["histogram"] = histogramJson(*kept.histogram);
     return json;
 }
 
@@ -78,6 +83,7 @@ void addRare(const CloudFacts& f, Json& json) {
                          {"intensity", f.usual->intensity},
                          {"brightness", f.usual->brightness}};
     if (f.usual && hasCurvature(f)) json["usual"]["curvature"] = f.usual->curvature;
+    if (f.intensityHistogram) json["intensityHistogram"] = histogramJson(*f.intensityHistogram);
     if (f.scanner) json["scanner"] = vectorJson(*f.scanner);
     if (f.sides) json["sides"] = {{"by", std::string(nameOf(f.sides->by))}, {"sure", f.sides->sure}};
     if (f.look) json["look"] = toJson(*f.look);
@@ -127,6 +133,17 @@ void takeType(FactsFields& fields, ColumnType& into) {
     fields.blame("type", "is none that there is");
 }
 
+void takeHistogram(FactsFields fields, ValueHistogram& into) {
+    fields.number("low", into.low);
+    fields.number("high", into.high);
+    if (!(into.low < into.high)) fields.blame("high", "is not above \"low\"");
+    const Json* counts = fields.list("counts", FactsFields::noSize, ValueHistogram::mostBins);
+    if (!counts) return;
+    if (counts->empty()) fields.blame("counts", "are none");
+    for (const Json& count : *counts)
+        fields.whole(count, "counts", into.counts.emplace_back(), std::numeric_limits<std::uint64_t>::max());
+}
+
 void takeColumn(FactsFields fields, KeptColumn& into) {
     fields.text("name", into.column.name);
     takeType(fields, into.column.type);
@@ -135,6 +152,9 @@ void takeColumn(FactsFields fields, KeptColumn& into) {
     fields.text("description", into.column.description);
     fields.range("range", into.range);
     if (fields.has("usual")) fields.range("usual", into.usual.emplace());
+    if (fields.has("histogram"))
+        takeHistogram({*fields.find("histogram"), fields.member("histogram"), fields.fault()},
+                      into.histogram.emplace());
 }
 
 void takePlane(FactsFields fields, ValuePlane& into) {
@@ -241,6 +261,9 @@ void takeRare(FactsFields& fields, CloudFacts& facts) {
     if (const auto date = checkRecorded(facts.recorded); !date) fields.blame("recorded", "is no date");
     if (fields.has("usual"))
         takeUsual({*fields.find("usual"), fields.member("usual"), fields.fault()}, facts.usual.emplace());
+    if (fields.has("intensityHistogram"))
+        takeHistogram({*fields.find("intensityHistogram"), fields.member("intensityHistogram"), fields.fault()},
+                      facts.intensityHistogram.emplace());
     if (fields.has("scanner")) fields.vector("scanner", facts.scanner.emplace());
     takeStations(fields, facts);
     if (fields.has("sides"))

@@ -34,6 +34,7 @@ SplatColoring splatColoring(const ColorRule& rule) {
     switch (rule.source) {
         case ColorSource::Auto:
         case ColorSource::Rgb:
+        case ColorSource::Cloud:  // in the samples already
             return rule.toned ? SplatColoring::Toned : SplatColoring::Rgb;
         case ColorSource::Intensity:
             return SplatColoring::Intensity;
@@ -51,6 +52,7 @@ SplatColoring splatColoring(const ColorRule& rule) {
             return SplatColoring::Depth;
         case ColorSource::Lod:
         case ColorSource::Visibility:  // of its own pass
+        case ColorSource::Column:      // is intensity by now
         case ColorSource::Flat:
             return SplatColoring::PerRun;
     }

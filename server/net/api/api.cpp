@@ -82,6 +82,15 @@ HttpResponse refusal(Problem problem, const Routed& routed) {
     return problemResponse(problem);
 }
 
+/// Of a view that cannot be shown: what is being loaded, or out of reach, may be asked for again.
+HttpResponse refusedView(Error error, const Routed& routed, std::string_view within = {}) {
+    const bool later = error.code == ErrorCode::Unavailable;
+    if (!error.field.empty()) error.field.insert(0, within);
+    HttpResponse response = refusal(problemOf(error), routed);
+    if (later) response.set("Retry-After", "1");
+    return response;
+}
+
 RasterOptions rasterOptions(const ApiOptions& options) {
     RasterOptions rasters = options.rasters;
     rasters.guestsMayExport = options.points.guestsMayExport;
@@ -181,9 +190,9 @@ struct Api::Answers {
     HttpResponse viewsBy(Tell tell) const {
         const auto cloud = clouds_.cloud(routed.id);
         if (!cloud) return refusal(cloud.error(), routed);
-        const auto planned = viewOfQuery(**cloud, routed.query, api.options_.maxPixels);
-        if (!planned) return refusal(problemOf(planned.error()), routed);
-        return jsonResponse(tell(**cloud, (*planned)->view));
+        const auto asked = viewOfQuery(clouds_, routed.id, routed.query, api.options_.maxPixels);
+        if (!asked) return refusedView(asked.error(), routed);
+        return jsonResponse(tell(*asked->cloud, asked->planned->view));
     }
 
     HttpResponse photos() const {
@@ -301,29 +310,30 @@ struct Api::Answers {
         return response;
     }
 
-    Expected<std::shared_ptr<const PlannedView>> snapshotView(const Cloud& cloud) const {
-        if (request.method != "POST") return viewOfQuery(cloud, routed.query, api.options_.maxPixels);
+    Expected<AskedView> snapshotView() const {
+        if (request.method != "POST")
+            return viewOfQuery(clouds_, routed.id, routed.query, api.options_.maxPixels);
         const auto changes = parseJson(request.body);
         if (!changes) return passOn(changes);
-        return viewOfJson(cloud, *changes, api.options_.maxPixels);
+        return viewOfJson(clouds_, routed.id, *changes, api.options_.maxPixels);
     }
 
     void snapshot(Respond respond) const {
         const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
-        auto cloud = clouds_.cloud(routed.id);
-        if (!cloud) return refuse(std::move(cloud.error()));
+        if (auto own = clouds_.cloud(routed.id); !own) return refuse(std::move(own.error()));
         const auto format = requestedFormat(request, routed.route);
         if (!format) return refuse(format.error());
-        const auto planned = snapshotView(**cloud);
-        if (!planned) return refuse(problemOf(planned.error()));
-        View view = (*planned)->view;
+        const auto asked = snapshotView();
+        if (!asked) return respond(refusedView(asked.error(), routed));
+        const auto& [cloud, planned] = *asked;
+        View view = planned->view;
         if (*format == PictureFormat::Depth) view = depthView(std::move(view));
         const DeviceStatus device = api.scheduler_.device();
         if (device.state != DeviceStatus::State::Ready) {
             return refuse(problemOf(503, "The rendering device is not available."));
         }
-        const auto headBy = [cloud = *cloud, view, planned = *planned, format = *format,
-                             live = clouds_.isLive(routed.id),
+        const auto headBy = [cloud = asked->cloud, view, planned = asked->planned, format = *format,
+                             live = clouds_.isLive(routed.id, view.with),
                              version = api.options_.version](const DeviceInfo& drawnBy) {
             return pictureResponse(format, *planned, pictureTag(*cloud, view, format, drawnBy, version),
                                    live);
@@ -338,10 +348,10 @@ struct Api::Answers {
             head.bodyUnknown = true;
             return respond(std::move(head));
         }
-        const auto price = api.admission_.price(**cloud, **planned, *format);
+        const auto price = api.admission_.price(*cloud, *planned, *format);
         if (!price) return refuseCostly(respond, price.error());
-        PictureOrder order{std::move(*cloud), view, *format, false};
-        order.planned = *planned;
+        PictureOrder order{cloud, view, *format, false};
+        order.planned = planned;
         order.price = *price;
         order.client = request.client;
         PictureDone done = [respond, headBy, path = routed.path, price = *price, drawn = order.cloud,
@@ -398,21 +408,16 @@ struct Api::Answers {
 
     void pick(Respond respond) const {
         const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
-        auto cloud = clouds_.cloud(routed.id);
-        if (!cloud) return refuse(std::move(cloud.error()));
+        if (auto own = clouds_.cloud(routed.id); !own) return refuse(std::move(own.error()));
         const auto asked = parsePickRequest(request.body);
         if (!asked) return refuse(problemOf(asked.error()));
-        const auto planned = viewOfJson(**cloud, asked->view, api.options_.maxPixels);
-        if (!planned) {
-            Error error = planned.error();
-            if (!error.field.empty()) error.field = "view." + error.field;
-            return refuse(problemOf(error));
-        }
-        const auto price = api.admission_.price(**cloud, **planned, PictureFormat::Depth);
+        const auto viewed = viewOfJson(clouds_, routed.id, asked->view, api.options_.maxPixels);
+        if (!viewed) return respond(refusedView(viewed.error(), routed, "view."));
+        const auto price = api.admission_.price(*viewed->cloud, *viewed->planned, PictureFormat::Depth);
         if (!price) return refuseCostly(respond, price.error());
         auto ticket = api.admission_.take(request.client, *price);
         if (!ticket) return refuseCostly(respond, ticket.error());
-        auto done = [respond, cloud = *cloud, path = routed.path, seconds = *price / 1000,
+        auto done = [respond, cloud = viewed->cloud, path = routed.path, seconds = *price / 1000,
                      held = std::make_shared<WorkBudget::Ticket>(std::move(*ticket))](
                         Expected<std::optional<Picked>> picked) {
             held->reset();
@@ -421,7 +426,7 @@ struct Api::Answers {
             response.price = seconds;
             respond(std::move(response));
         };
-        if (auto queued = api.picker_.pick(*cloud, *planned, asked->x, asked->y, std::move(done),
+        if (auto queued = api.picker_.pick(viewed->cloud, viewed->planned, asked->x, asked->y, std::move(done),
                                            {request.client, *price, gone});
             !queued)
             refuse(problemOf(queued.error()));

@@ -80,7 +80,7 @@ void Measurer::answer(const HttpRequest& request, const Routed& routed,
         if (!measured) return refuse(problemOf(measured.error()));
         return respond(jsonResponse(*measured));
     }
-    const auto planned = viewOfJson(*cloud, parsed->view, maxPixels_);
+    const auto planned = viewOfCloudAlone(*cloud, parsed->view, maxPixels_);
     if (!planned) {
         Error error = planned.error();
         if (!error.field.empty()) error.field = "view." + error.field;

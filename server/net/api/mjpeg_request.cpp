@@ -72,16 +72,16 @@ tl::expected<MjpegRequest, Problem> mjpegRequest(const HttpRequest& request, con
     if (follows) {
         if (auto sound = checkFollower(*words); !sound) return refuse(sound.error());
     }
-    const auto planned = viewOfWords(**cloud, *words, maxPixels);
-    if (!planned) return refuse(planned.error());
-    const View& view = (*planned)->view;
+    const auto viewed = viewOfWords(clouds, routed.id, *words, maxPixels);
+    if (!viewed) return refuse(viewed.error());
+    const View& view = viewed->planned->view;
     asked.hello.width = view.width;
     asked.hello.height = view.height;
     if (follows) return asked;
     asked.hello.cloud = routed.id;
     asked.view = messages::ViewChange{0, std::nullopt, toJson(view)};
-    asked.method = (*planned)->method;
-    asked.reason = (*planned)->reason;
+    asked.method = viewed->planned->method;
+    asked.reason = viewed->planned->reason;
     return asked;
 }
 

@@ -41,12 +41,29 @@ View defaultOfSize(const Cloud& cloud, const View& size) {
     return defaultView(cloud, side(size.width), side(size.height));
 }
 
-// The default view at the size that `size` says, changed by `change`, planned.
+// The default view of what `first` shows, at its size, changed by `change`, planned.
 template <class Change>
-Expected<Planned> changed(const Cloud& cloud, const View& size, std::uint64_t maxPixels, Change change) {
-    const Expected<View> view = change(defaultOfSize(cloud, size));
+Expected<AskedView> changed(const VisibleClouds& clouds, std::string_view id, const View& first,
+                            std::uint64_t maxPixels, Change change) {
+    auto cloud = clouds.viewed(id, first);
+    if (!cloud) return passOn(std::move(cloud));
+    const Expected<View> view = change(defaultOfSize(**cloud, first));
     if (!view) return passOn(view);
-    return planned(cloud, *view, maxPixels);
+    auto made = planned(**cloud, *view, maxPixels);
+    if (!made) return passOn(std::move(made));
+    return AskedView{std::move(*cloud), std::move(*made)};
+}
+
+/// What must be known before there is a default view.
+constexpr std::array<std::string_view, 4> firstWords{"width", "height", "with", "color"};
+
+Expected<View> firstOfJson(const nlohmann::json& changes) {
+    nlohmann::json first = nlohmann::json::object();
+    if (changes.is_object()) {
+        for (const std::string_view word : firstWords)
+            if (const auto at = changes.find(word); at != changes.end()) first[std::string(word)] = *at;
+    }
+    return applyJson(View(), first);
 }
 
 }  // namespace
@@ -94,30 +111,37 @@ tl::expected<void, Problem> checkJsonBody(const HttpRequest& request) {
     return tl::unexpected(problemOf(415, "Send JSON, and say so: Content-Type: application/json."));
 }
 
-Expected<Planned> viewOfQuery(const Cloud& cloud, std::string_view query, std::uint64_t maxPixels) {
+Expected<AskedView> viewOfQuery(const VisibleClouds& clouds, std::string_view id, std::string_view query,
+                                std::uint64_t maxPixels) {
     const auto words = parseQuery(query);
     if (!words) return passOn(words);
-    return viewOfWords(cloud, *words, maxPixels);
+    return viewOfWords(clouds, id, *words, maxPixels);
 }
 
-Expected<Planned> viewOfWords(const Cloud& cloud, const WordValues& words, std::uint64_t maxPixels) {
-    View size;
+Expected<AskedView> viewOfWords(const VisibleClouds& clouds, std::string_view id, const WordValues& words,
+                                std::uint64_t maxPixels) {
+    View first;
     for (const auto& [word, value] : words) {
-        if (word != "width" && word != "height") continue;
-        if (auto ok = applyWord(size, word, value); !ok) return passOn(ok);
+        if (std::ranges::find(firstWords, word) == firstWords.end()) continue;
+        if (auto ok = applyWord(first, word, value); !ok) return passOn(ok);
     }
-    return changed(cloud, size, maxPixels, [&](const View& base) { return applyWords(base, words); });
+    if (auto sound = validate(first); !sound) return passOn(sound);
+    return changed(clouds, id, first, maxPixels, [&](const View& base) { return applyWords(base, words); });
 }
 
-Expected<Planned> viewOfJson(const Cloud& cloud, const nlohmann::json& changes, std::uint64_t maxPixels) {
-    nlohmann::json sides = nlohmann::json::object();
-    if (changes.is_object()) {
-        for (const char* side : {"width", "height"})
-            if (const auto at = changes.find(side); at != changes.end()) sides[side] = *at;
-    }
-    const auto size = applyJson(View(), sides);
-    if (!size) return passOn(size);
-    return changed(cloud, *size, maxPixels, [&](const View& base) { return applyJson(base, changes); });
+Expected<AskedView> viewOfJson(const VisibleClouds& clouds, std::string_view id, const nlohmann::json& changes,
+                               std::uint64_t maxPixels) {
+    const auto first = firstOfJson(changes);
+    if (!first) return passOn(first);
+    return changed(clouds, id, *first, maxPixels, [&](const View& base) { return applyJson(base, changes); });
+}
+
+Expected<Planned> viewOfCloudAlone(const Cloud& cloud, const nlohmann::json& changes, std::uint64_t maxPixels) {
+    const auto first = firstOfJson(changes);
+    if (!first) return passOn(first);
+    const auto view = applyJson(defaultOfSize(cloud, *first), changes);
+    if (!view) return passOn(view);
+    return planned(cloud, *view, maxPixels);
 }
 
 View depthView(View view) {

@@ -6,6 +6,7 @@
 
 #include "protocol/view/query.hpp"
 #include "renderer/plan.hpp"
+#include "server/catalog/visible_clouds.hpp"
 #include "server/net/api/http_message.hpp"
 #include "server/net/api/router.hpp"
 #include "server/scheduler/picture_order.hpp"
@@ -21,15 +22,24 @@ tl::expected<PictureFormat, Problem> requestedFormat(const HttpRequest& request,
 /// 415 unless the request says that its body is JSON.
 tl::expected<void, Problem> checkJsonBody(const HttpRequest& request);
 
-/// A complete view, planned. What is not given is the cloud's default at the asked size, because its camera
-/// depends on the picture's shape. Errors: those of parseQuery(), applyWords(), applyJson() and plan();
+/// A complete view, planned, and what it is drawn of: a cloud, or several together (`with`).
+struct AskedView {
+    std::shared_ptr<const Cloud> cloud;
+    std::shared_ptr<const PlannedView> planned;
+};
+
+/// A view of the cloud of that id. What is not given is the default of what it shows, at the asked size, because its camera
+/// depends on the picture's shape. Errors: those of parseQuery(), applyWords(), applyJson(), VisibleClouds::viewed() and plan();
 /// ResourceLimit above `maxPixels`.
-Expected<std::shared_ptr<const PlannedView>> viewOfWords(const Cloud& cloud, const WordValues& words,
-                                                         std::uint64_t maxPixels);
-Expected<std::shared_ptr<const PlannedView>> viewOfQuery(const Cloud& cloud, std::string_view query,
-                                                         std::uint64_t maxPixels);
-Expected<std::shared_ptr<const PlannedView>> viewOfJson(const Cloud& cloud, const nlohmann::json& changes,
-                                                        std::uint64_t maxPixels);
+Expected<AskedView> viewOfWords(const VisibleClouds& clouds, std::string_view id, const WordValues& words,
+                                std::uint64_t maxPixels);
+Expected<AskedView> viewOfQuery(const VisibleClouds& clouds, std::string_view id, std::string_view query,
+                                std::uint64_t maxPixels);
+Expected<AskedView> viewOfJson(const VisibleClouds& clouds, std::string_view id, const nlohmann::json& changes,
+                               std::uint64_t maxPixels);
+/// The same of this cloud alone, whatever others the view shows: for who goes over points of one cloud.
+Expected<std::shared_ptr<const PlannedView>> viewOfCloudAlone(const Cloud& cloud, const nlohmann::json& changes,
+                                                              std::uint64_t maxPixels);
 
 /// Depth is that of the pixels' centres, and neither blended nor encoded: what decides the looks is put to
 /// its default, so that equal pictures have equal tags.

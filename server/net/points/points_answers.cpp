@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "renderer/cloud/columns/pictured_file.hpp"
 #include "renderer/image/encode.hpp"
 #include "renderer/profile/profile_picture.hpp"
 #include "renderer/residency/file_of.hpp"
@@ -82,6 +83,17 @@ struct PointsAnswers::Asked {
     std::stop_token gone{};
 
     void refuse(const Error& error) const { respond(problemResponse(problemOfPoints(error, path))); }
+    /// Takes of the file what the region's filter leaves, coloured by a column where the picture is.
+    Expected<void> picture(const PointsRegion& region, const Style& style = {}) {
+        auto pictured = picturedLeaves(file, region.filter, style);
+        if (!pictured) {
+            Error error = pictured.error();
+            error.field = (error.field == "color" ? "picture." : "region.") + error.field;
+            return tl::unexpected(std::move(error));
+        }
+        file = std::move(*pictured);
+        return {};
+    }
     /// Nobody waits for it any more.
     bool isOver() const { return gone.stop_requested(); }
 };
@@ -176,6 +188,7 @@ void PointsAnswers::points(const HttpRequest& request, const Routed& routed, con
     if (!asked) return refuse(std::move(asked.error()));
     asked->respond = std::move(respond);
     asked->gone = std::move(gone);
+    if (auto ok = asked->picture(wanted->region); !ok) return asked->refuse(ok.error());
     ExportOptions options{.output = {},
                           .format = wanted->format,
                           .region = wanted->region,
@@ -214,6 +227,8 @@ void PointsAnswers::profile(const HttpRequest& request, const Routed& routed, co
     if (!asked) return refuse(std::move(asked.error()));
     asked->respond = respond;
     asked->gone = std::move(gone);
+    if (auto ok = asked->picture(wanted->region, wanted->format ? Style() : picture.style); !ok)
+        return refuse(problemOf(ok.error()));
     if (!wanted->format) {
         auto drawing = ProfileDrawing::create(*asked->cloud, asked->file, *wanted, options_.mostPixels);
         if (!drawing) return refuse(problemOf(drawing.error()));

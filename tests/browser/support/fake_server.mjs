@@ -42,7 +42,7 @@ function makeCloud(id, title, halfHeight, attributes) {
     view: {
       camera: { type: 'perspective', eye: [14, -22, 12], target: [0, 0, 0], up: [0, 0, 1], fov: 60, near: null, far: null },
       width: 1280, height: 720, method: 'paraboloid', param: {}, color: 'auto', colormap: 'viridis', range: null,
-      classes: null, clip: null, clips: null, shading: null, mirrors: true, behindMirrors: false, background: ['#3a424e', '#16191e'], detail: null, budget: null, samples: null,
+      classes: null, clip: null, clips: null, filter: null, with: null, shading: null, mirrors: true, behindMirrors: false, background: ['#3a424e', '#16191e'], detail: null, budget: null, samples: null,
       quality: 90, subsampling: '4:2:0',
     },
   };
@@ -228,7 +228,8 @@ class FakeSession {
   }
 
   sendStats(frame) {
-    const ends = { elevation: [this.cloud.bounds.min[2], this.cloud.bounds.max[2]], intensity: [0, 255] }[this.view.color] ?? null;
+    const column = this.cloud.columns?.find(({ name }) => this.view.color === `column:${name}`);
+    const ends = column?.range ?? { elevation: [this.cloud.bounds.min[2], this.cloud.bounds.max[2]], intensity: [0, 255] }[this.view.color] ?? null;
     const auto = this.view.method === 'auto' ? { methodReason: 'coloured points: they close the gaps' } : {};
     this.socket.sendText(JSON.stringify({
       type: 'stats', frame, seq: this.seq, fps: 30, method: auto.methodReason ? 'paraboloid' : this.view.method, ...auto, detail: 1, samples: 812_345, points: 1_100_000, dropped: 0,
@@ -249,6 +250,7 @@ export class FakeServer {
   stations = [];
   busyFor = 0; // so many photos are refused for now
   pending = [];
+  told = {}; // id → what it says of that cloud alone, beside what the list says
   statsOf = 'every frame'; // or 'no frame'
   frameDelay = 12;
   snapshotMs; // how long a small picture (JPEG) takes; undefined: it is refused
@@ -363,11 +365,13 @@ export class FakeServer {
       return json({
         methods, colors: [
           'auto', 'rgb*intensity', 'elevation*intensity', 'classification*intensity',
-          'rgb', 'intensity', 'elevation', 'classification', 'normal', 'depth', 'lod', 'visibility',
+          'rgb', 'intensity', 'elevation', 'classification', 'normal', 'depth', 'lod', 'visibility', 'cloud',
         ],
         colormaps: ['viridis', 'turbo', 'grey'], ramps: { viridis: ['#440154', '#21918c', '#fde725'], turbo: ['#30123b', '#7a0403'], grey: ['#000000', '#ffffff'] }, shadings: ['unlit', 'phong', 'eyedome'],
       });
     }
+    const one = this.clouds.find(({ id }) => pathname === `/api/v1/clouds/${id}`);
+    if (one) return json({ ...one, ...this.told[one.id] });
     if (pathname.endsWith('/views')) {
       const cloud = this.clouds.find(({ id }) => pathname.endsWith(`/clouds/${id}/views`));
       return json({ views: (cloud?.look?.views ?? []).map(({ name, inside, camera }) => ({ name, inside, view: { ...cloud.view, camera } })) });

@@ -39,11 +39,19 @@ class FakePainter {
                 return prepare(order, wait, stop);
             };
             painter.begin = [this](const PictureOrder& order, const PreparedPicture&, std::stop_token stop,
-                                   const Pause&) { return begin(*order.cloud, order.view, std::move(stop)); };
+                                   const Pause&) {
+                keep(order.cloud);
+                return begin(*order.cloud, order.view, std::move(stop));
+            };
             return painter;
         };
     }
 
+    /// From now on the clouds of what is painted live as long as this, so that tests may look at them afterwards.
+    void keepClouds() {
+        const std::lock_guard lock(mutex_);
+        keeps_ = true;
+    }
     /// From now on pictures are begun at once, and it is their pixels that come late: they wait at the gate.
     void finishLate() {
         const std::lock_guard lock(mutex_);
@@ -120,6 +128,10 @@ class FakePainter {
     }
 
   private:
+    void keep(const std::shared_ptr<const Cloud>& cloud) {
+        const std::lock_guard lock(mutex_);
+        if (keeps_) kept_.push_back(cloud);
+    }
     Expected<PreparedPicture> prepare(const PictureOrder&, bool wait, const std::stop_token& stop) {
         std::unique_lock lock(mutex_);
         if (!wait || loaded_) return PreparedPicture{nullptr, loaded_};
@@ -216,6 +228,8 @@ class FakePainter {
     std::vector<Painted> begun_;
     std::optional<Error> error_;
     bool gated_ = false;
+    bool keeps_ = false;
+    std::vector<std::shared_ptr<const Cloud>> kept_;
     bool late_ = false;
     int atOnce_ = 0, mostAtOnce_ = 0;
     bool loaded_ = true;

@@ -40,6 +40,7 @@ inline View richView() {
     view.style.behindMirrors = true;
     view.style.outliers = Outliers::Show;
     view.style.background = {Background::Kind::Color, {1, 2, 3}, Background{}.bottom};
+    view.with = {{"town-2024", {0.1, -2, 1.0 / 3.0}, Rgb8{1, 128, 255}, false}, {".", {}, {}, true}, {"a b", {}, {}, false}};
     view.quality.detail = 0.5;
     view.quality.budget = 18446744073709551615u;
     view.quality.samples = 16;

@@ -50,7 +50,7 @@ TEST(ViewJson, CanonicalTextIsFixed) {
         R"("classes":null,"clip":null,"clips":null,"color":"auto","colormap":"viridis","detail":null,"exposure":null,"height":720,)"
         R"("light":{"ambient":0.5,"headlight":0.5,"occlusion":null,"shadow":0.0,"shine":0.08,"sun":null,"sunlight":0.5},)"
         R"("method":"auto","mirrors":true,"outliers":"hide","param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
-        R"("subsampling":"4:2:0","width":1280})")
+        R"("subsampling":"4:2:0","width":1280,"with":null})")
         << "A new word? Put it here, in the order of the alphabet.";
 }
 
@@ -75,7 +75,7 @@ TEST(ViewJson, SubsetsKeepTheRest) {
 TEST(ViewJson, NullRestoresTheAutomaticValue) {
     const auto view = applied(test::richView(), R"({"camera": {"near": null, "far": null}, "range": null,
         "classes": null, "clip": null, "clips": null, "exposure": null, "shading": null, "light": {"sun": null}, "background": null, "detail": null, "budget": null,
-        "samples": null})");
+        "samples": null, "with": null})");
     EXPECT_EQ(view.camera.near, std::nullopt);
     EXPECT_EQ(view.camera.far, std::nullopt);
     EXPECT_EQ(view.style.range, std::nullopt);
@@ -89,6 +89,7 @@ TEST(ViewJson, NullRestoresTheAutomaticValue) {
     EXPECT_EQ(view.quality.detail, std::nullopt);
     EXPECT_EQ(view.quality.budget, std::nullopt);
     EXPECT_EQ(view.quality.samples, std::nullopt);
+    EXPECT_TRUE(view.with.empty());
 }
 
 TEST(ViewJson, OneFormOfTheCameraEndsTheOther) {
@@ -162,6 +163,15 @@ TEST(ViewJson, WrongTypesAndValuesNameTheirPath) {
         {R"({"classes": [1.5]})", "classes"},
         {R"({"clip": {"min": [0,0,0]}})", "clip.max"},
         {R"({"clip": [0,0,0,1,1,1]})", "clip"},
+        {R"({"with": {}})", "with"},
+        {R"({"with": "b"})", "with"},
+        {R"({"with": [1]})", "with[0]"},
+        {R"({"with": [{}]})", "with[0].cloud"},
+        {R"({"with": [{"cloud": ""}]})", "with"},
+        {R"({"with": [{"cloud": "b"}, {"cloud": "c", "shift": [1, 2]}]})", "with[1].shift"},
+        {R"({"with": [{"cloud": "b", "tint": "red"}]})", "with[0].tint"},
+        {R"({"with": [{"cloud": "b", "hidden": 1}]})", "with[0].hidden"},
+        {R"({"with": [{"cloud": "b", "color": "#ffffff"}]})", "with[0].color"},
         {R"({"clips": {}})", "clips"},
         {R"({"clips": "box:0,0,0,1,1,1"})", "clips"},
         {R"({"clips": [1]})", "clips[0]"},
@@ -220,7 +230,7 @@ TEST(ViewJson, NotANumberIsNoView) {
 
 TEST(ViewJson, HugeArraysAreRefusedWithoutBeingCopied) {
     const json huge(1'000'000, 1);
-    for (const auto* field : {"classes", "range", "background", "param", "clip", "clips"})
+    for (const auto* field : {"classes", "range", "background", "param", "clip", "clips", "with"})
         EXPECT_FALSE(applyJson(View{}, json{{field, huge}})) << field;
     EXPECT_FALSE(applyJson(View{}, json{{"camera", {{"eye", huge}}}}));
     EXPECT_FALSE(applyJson(View{}, json{{"camera", {{"viewMatrix", huge}}}}));

@@ -119,6 +119,7 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
                                 {"behindMirrors", "true"},
                                 {"outliers", "show"},
                                 {"background", "#010203,#040506"},
+                                {"with", "b,tint:#0102ff,shift:1:-2:3e-1,hidden;."},
                                 {"detail", "2"},
                                 {"budget", "1000"},
                                 {"samples", "8"},
@@ -134,7 +135,9 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
                   {"plane": {"point": [0,0,1], "normal": [0,0,-2]}}], "shading": "phong",
         "light": {"ambient": 0.25, "headlight": 1, "sun": [-45, 30.5], "sunlight": 0.75, "shine": 0, "occlusion": 0.5, "shadow": 1},
         "mirrors": false, "behindMirrors": true, "outliers": "show",
-        "background": ["#010203", "#040506"], "detail": 2, "budget": 1000, "samples": 8, "quality": 50,
+        "background": ["#010203", "#040506"],
+        "with": [{"cloud": "b", "tint": "#0102ff", "shift": [1, -2, 0.3], "hidden": true}, {"cloud": "."}],
+        "detail": 2, "budget": 1000, "samples": 8, "quality": 50,
         "subsampling": "4:2:2"})"));
     ASSERT_TRUE(json) << json.error().message;
     EXPECT_EQ(words, *json);
@@ -142,7 +145,7 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
 
 TEST(ViewWords, AColourMayBeMultipliedByIntensity) {
     for (const char* word :
-         {"rgb*intensity", "elevation*intensity", "classification*intensity", "#ff8800*intensity"}) {
+         {"rgb*intensity", "elevation*intensity", "classification*intensity", "cloud*intensity", "#ff8800*intensity"}) {
         const View view = applied({{"color", word}});
         EXPECT_TRUE(view.style.byIntensity) << word;
         EXPECT_EQ(colorWord(view.style), word);
@@ -181,6 +184,7 @@ TEST(ViewWords, AutoClears) {
                                {"classes", "auto"},
                                {"clip", "auto"},
                                {"clips", "auto"},
+                               {"with", "auto"},
                                {"exposure", "auto"},
                                {"shading", "auto"},
                                {"light.sun", "auto"},
@@ -191,6 +195,7 @@ TEST(ViewWords, AutoClears) {
     EXPECT_FALSE(view.camera.near || view.camera.far || view.style.range || view.style.classes ||
                  view.style.clip || !view.style.clips.empty() || view.style.exposure || view.style.shading ||
                  view.style.light.sun || view.quality.detail || view.quality.budget || view.quality.samples);
+    EXPECT_TRUE(view.with.empty());
     EXPECT_EQ(applied({{"classes", "none"}}).style.classes, std::vector<std::uint8_t>{});
 }
 

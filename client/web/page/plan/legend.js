@@ -1,6 +1,8 @@
 // The legend on the picture: what its colours mean. Classes have their names; of a ramp it has the values at both ends, which the server
 // tells with each picture - it alone knows what suits the cloud.
 
+import { columnIn, columnTitle, unitOfColumn } from '../columns.js';
+import { membersOf } from '../members.js';
 import { element } from '../parameter_fields.js';
 import { strings } from '../strings.js';
 import { planStrings } from '../strings/plan.js';
@@ -8,10 +10,10 @@ import { unitName } from './lengths.js';
 
 const words = planStrings.legend;
 const mostClasses = 24;
-const withRange = ['intensity', 'elevation', 'depth', 'curvature'];
+const withRange = ['intensity', 'elevation', 'depth', 'curvature', 'column'];
 const inUnits = ['elevation', 'depth'];
 
-const sourceOf = (color) => (color ?? '').split('*')[0];
+const sourceOf = (color) => (color?.startsWith('column:') ? 'column' : (color ?? '').split('*')[0]);
 
 /** "31.5", "1,204": as many digits as tell the ends apart. Pure. */
 export function rangeText([low, high]) {
@@ -35,16 +37,18 @@ export function classesOf(cloud) {
 }
 
 /**
- * What the legend of a picture says: { title, classes: [{ number, name, color }] , more } or { title, colors, ends: [text, text] }, or
- * undefined where colours need no words. `stats` are those of the picture, as far as they are known. Pure.
+ * What the legend of a picture says: { title, classes: [{ name, color }] , more } or { title, colors, ends: [text, text] }, or
+ * undefined where colours need no words. `stats` are those of the picture, as far as they are known; `clouds`: all that there are. Pure.
  *
  * @returns {any}
  */
-export function legendOf({ view = undefined, cloud = undefined, ramps = /** @type {any} */ ({}), stats = undefined }) {
+export function legendOf({ view = undefined, cloud = undefined, ramps = /** @type {any} */ ({}), stats = undefined, clouds = /** @type {any[]} */ ([]) }) {
   if (!view?.color || !cloud) return undefined;
   const known = view.color === 'auto' || stats?.color === view.color ? stats : undefined;
   const source = sourceOf(known?.color ?? view.color);
-  const title = strings.colour.names[source] ?? source;
+  const column = columnIn(known?.color ?? view.color, cloud);
+  const title = column ? columnTitle(column.name) : strings.colour.names[source] ?? source;
+  if (source === 'cloud') return { title: words.clouds, classes: membersOf(view, cloud, clouds).filter(({ hidden }) => !hidden), more: 0 };
   if (source === 'classification') {
     const shown = classesOf(cloud).filter(({ number }) => !view.classes || view.classes.includes(number));
     const listed = shown.slice(0, mostClasses);
@@ -55,6 +59,7 @@ export function legendOf({ view = undefined, cloud = undefined, ramps = /** @typ
   const colors = source === 'curvature' ? ramps.curvature : ramps[view.color === 'auto' ? known?.colormap : view.colormap];
   const range = view.range ?? known?.range;
   if (!withRange.includes(source) || !colors || !range) return undefined;
+  if (column) return { title, colors, ends: rangeText(range), unit: unitOfColumn(column, cloud), ...(column.description && column.description !== title ? { note: column.description } : {}) };
   const unit = unitName(cloud.crsUnit);
   const of = inUnits.includes(source) ? unit : source === 'curvature' ? words.inverse(unit) : '';
   return { title, colors, ends: rangeText(range), unit: of };

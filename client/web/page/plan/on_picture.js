@@ -183,8 +183,8 @@ export class OnPicture {
   }
 
   get #colours() {
-    const { view, cloud } = this.#viewer;
-    return cloud ? { view, cloud, ramps: this.#ramps, stats: this.#stats } : {};
+    const { view, cloud, catalog } = this.#viewer;
+    return cloud ? { view, cloud, ramps: this.#ramps, stats: this.#stats, clouds: catalog.clouds } : {};
   }
 
   /** What the legend of the picture says (legendOf()), shown or not; undefined where colours need no words. */

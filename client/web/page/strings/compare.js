@@ -4,6 +4,7 @@ export const compare = {
   title: 'Compare',
   close: 'End comparing',
   how: 'Drag the divider, or move it by arrow keys. The left side is the view as it is; choose what the right side shows instead. Points are measured and noted on the left side.',
+  begins: (color) => `The right side begins coloured by ${color.toLowerCase()}.`,
   divider: 'Divider between both sides',
   at: (share) => `${share} % left`,
   cloud: 'Point cloud',

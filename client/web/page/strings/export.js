@@ -1,7 +1,7 @@
 // What the page says of exports; loaded with them.
 
 export const exporting = {
-  title: 'Export points',
+  title: 'Export',
   close: 'Close',
   which: 'Which points',
   regions: { all: 'All of the scan', shapes: 'What the boxes and half-spaces leave', polygon: 'Within a measured outline' },
@@ -18,7 +18,7 @@ export const exporting = {
   empty: 'No point lies there.',
   uncounted: 'How many they are shows while they come.',
   tooLarge: (size) => `This browser can save ${size} at most. Choose a smaller part, another browser, or scancast-client points.`,
-  save: 'Save…',
+  save: 'Save points…',
   cancel: 'Stop',
   progress: 'How much has been saved',
   waiting: 'The server is collecting the points…',
@@ -27,5 +27,24 @@ export const exporting = {
   stopped: 'Stopped. Nothing has been kept.',
   failed: 'The export failed',
   brokenOff: 'It broke off before its end; nothing has been kept.',
+  maps: {
+    rasters: 'Elevation and orthophoto (GeoTIFF)',
+    kind: 'What the raster shows',
+    kinds: { highest: 'Elevation: highest points', lowest: 'Elevation: lowest points', mean: 'Elevation: mean', count: 'Number of points', ortho: 'Orthophoto, as the view is' },
+    extent: 'What it covers',
+    extents: { all: 'All of the scan', shown: 'What the picture shows' },
+    cell: 'Cell size',
+    noCell: 'Enter a length above 0.',
+    size: (columns, rows, size) => `${columns.toLocaleString('en')} × ${rows.toLocaleString('en')} cells, at most about ${size}`,
+    save: 'Save GeoTIFF…',
+    addresses: 'Addresses for a GIS',
+    how: 'Add these in QGIS, or in any other program that reads maps. They show the scan from above, in the look that it has now.',
+    services: { wms: 'WMS', wmts: 'WMTS', tiles: 'XYZ tiles' },
+    copy: 'Copy',
+    copyNamed: (name) => `Copy the address of ${name}`,
+    copied: 'Copied.',
+    noSystem: 'The scan names no coordinate system: WMS and WMTS have it in its own coordinates, and there are no XYZ tiles.',
+    token: 'The program needs the access token, too.',
+  },
   losses: (list) => `Not as the scan was: ${list}`,
 };

@@ -91,7 +91,8 @@ export const measure = {
   openProjectTip: 'A project file; it can also be dropped onto the picture',
   csvTip: 'A table with a row for each point, in the coordinates of the file',
   dxfTip: 'A drawing for CAD (DXF R12), in the coordinates of the file',
-  geoJsonTip: 'GeoJSON, for maps (WGS 84)',
+  geoJsonTip: 'GeoJSON, for maps: longitude and latitude (WGS 84)',
+  noSystem: 'The scan names no coordinate system, so there is no GeoJSON: CSV and DXF are in the coordinates of the file.',
 
   /** What screen readers are told. */
   said: {
@@ -113,6 +114,7 @@ export const measure = {
     linkFull: 'The link has no room for all measurements',
     linkFullDetail: (left) => `It leaves out ${left}. A project file holds all of them.`,
     saved: 'Saved',
+    noGeoJson: 'No GeoJSON could be made',
     opened: 'Project opened',
     openedDetail: ({ measures, notes, views }) => [[measures, 'measurement'], [notes, 'note'], [views, 'saved view']]
       .filter(([list], i) => list.length > 0 || i === 0).map(([{ length }, one]) => `${length} ${length === 1 ? one : `${one}s`}`).join(', '),

@@ -63,6 +63,7 @@ export const planStrings = {
   legend: {
     label: 'Legend',
     more: (count) => `and ${count} more`,
+    clouds: 'Clouds',
     level: (level) => `Level ${level}`,
     levels: 'Coarse to fine, then again',
     inverse: (unit) => `1/${unit}`,

@@ -82,6 +82,15 @@ std::optional<KnownSides> knownSides(const StagedScan& scan, const ScanHeader& h
     return std::nullopt;
 }
 
+KeptColumn keptColumn(const Column& column, const std::array<double, 2>& range, const ValueSketch& sketch) {
+    KeptColumn kept{column, range, sketch.usual()};
+    const bool whole = column.type != ColumnType::Float32 && column.type != ColumnType::Float64;
+    if (sketch.count() > 0)
+        kept.histogram =
+            sketch.histogram(histogramParts(range, *kept.usual, whole ? std::abs(column.scale) : 0));
+    return kept;
+}
+
 CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const OctreeShape& shape) {
     CloudFacts facts;
     facts.format = header.format;
@@ -103,7 +112,8 @@ CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Octre
     facts.stations = firstStations(scan.stations);
     facts.photos = firstPhotos(scan.photos);
     for (std::size_t c = 0; c < header.columns.size(); ++c)
-        facts.columns.push_back({header.columns[c], scan.columnRanges[c], scan.columnSketches[c].usual()});
+        facts.columns.push_back(
+            keptColumn(header.columns[c], scan.columnRanges[c], scan.columnSketches[c]));
     if (scan.onOwnGrid) facts.grid = ScanGrid{header.gridOrigin, header.gridStep};
     facts.exact = shape.exact;
     if (shape.exact && keepsGridPositions(header))

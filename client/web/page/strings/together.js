@@ -1,0 +1,28 @@
+// What the page says of clouds that are shown together; loaded with them.
+
+export const together = {
+  title: 'Clouds together',
+  close: 'Close clouds together',
+  list: 'Clouds that are shown',
+  others: 'Add another cloud',
+  search: 'Search clouds',
+  color: 'Colour by cloud',
+  fit: 'Fit all',
+  alone: 'Only this one',
+  show: (name) => `Show ${name}`,
+  tint: (name) => `Tint of ${name}`,
+  noTint: 'No tint',
+  shift: 'Shift',
+  axis: (axis, name) => `Shift ${axis} of ${name}`,
+  less: (axis, name) => `Shift ${name} back along ${axis}`,
+  more: (axis, name) => `Shift ${name} along ${axis}`,
+  step: 'Step',
+  noShift: 'No shift',
+  remove: 'Remove',
+  add: (name) => `Add ${name}`,
+  reasons: { crs: (name) => `in another coordinate system: ${name}`, loading: 'still loading', failed: 'could not be loaded' },
+  noOthers: 'There is no other cloud on this server.',
+  notFound: 'No cloud of that name.',
+  left: (count) => `and ${count} more: search for them`,
+  most: (count) => `${count} clouds at most`,
+};

@@ -1,0 +1,39 @@
+#include "renderer/cloud/distance/distance_column.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace scancast {
+
+void DistanceSummary::add(std::span<const float> distances) {
+    for (const float distance : distances) {
+        range_[0] = std::min(range_[0], double(distance));
+        range_[1] = std::max(range_[1], double(distance));
+        beyond_ += distance >= most_;
+        sketch_.add(double(distance));
+    }
+}
+
+void DistanceSummary::tell(KeptColumn& column) const {
+    column.range = range_;
+    column.usual = sketch_.usual();
+}
+
+Column distanceColumn(const DistanceOptions& options, const std::string& before, const std::string& unit) {
+    Column column{.name = options.name, .type = ColumnType::Float32, .description = {}};
+    column.description = fmt::format(
+        "distance to the nearest point of {}{}", before,
+        options.shift == glm::dvec3(0)
+            ? std::string()
+            : fmt::format(", shifted by {}, {}, {}", options.shift.x, options.shift.y, options.shift.z));
+    if (!unit.empty()) column.description += ", " + unit;
+    column.description += fmt::format("; {} is that or more", options.most);
+    return column;
+}
+
+ValuePlane innerDistances(const Column& column) {
+    return {"inner:" + column.name, column.type, ValuePlane::Of::Samples};
+}
+
+}  // namespace scancast

@@ -158,7 +158,7 @@ Expected<RasterRequest> rasterRequestOf(RasterKind kind, const WordValues& given
         if (isViewWord(word))
             return tl::unexpected(wrong(
                 word, isElevation ? "says nothing of elevation; of a view's words, those count that say "
-                                    "which points are looked at: classes, clip, clips, outliers, "
+                                    "which points are looked at: classes, filter, clip, clips, outliers, "
                                     "behindMirrors"
                                   : "is not the request's to say: an orthophoto is seen from straight "
                                     "above, and as large as bbox and cell make it"));

@@ -25,6 +25,7 @@
 #include <stop_token>
 
 #include "server/net/api/handler.hpp"
+#include "server/net/clients/public_url.hpp"
 #include "server/net/log/shown_target.hpp"
 #include "server/net/mjpeg_connection.hpp"
 #include "server/net/refused_connection.hpp"
@@ -66,7 +67,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
   public:
     HttpConnection(asio::ip::tcp::socket socket, const std::optional<IpAddress>& peer, NetContext& context,
                    Entrance entrance)
-        : stream_(streamOf(std::move(socket), context.tlsOf(entrance))),
+        : encrypted_(context.tlsOf(entrance) != nullptr),
+          stream_(streamOf(std::move(socket), context.tlsOf(entrance))),
           context_(context),
           entrance_(entrance),
           buffer_(2 * context.limits.maxHeaderBytes),
@@ -149,6 +151,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
             refuse(refusalResponse(ConnectionRefusal::Full, context_.registerOf(entrance_).limits()));
             return false;
         }
+        request_.base = publicUrl(request_, encrypted_, peer_ && context_.proxies.trusts(*peer_));
         if (!peer_) return true;
         const CountedClient client = context_.proxies.clientOf(request_, *peer_);
         request_.client = client.client;
@@ -523,6 +526,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     }
 
     ConnectionRegister::Place place_;  // first: given back when the socket has been closed
+    const bool encrypted_;
     NetStream stream_;
     NetContext& context_;
     const Entrance entrance_;

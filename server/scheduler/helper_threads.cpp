@@ -72,6 +72,11 @@ bool Scheduler::encodeStep(Line line) {
 Expected<EncodedPicture> Scheduler::encoded(Turns::Request& request, const std::stop_token& token) {
     DrawnPicture& drawn = *request.drawn;
     const auto start = Clock::now();
+    if (request.order.remade) {
+        auto remade = request.order.remade(drawn.frame, token);
+        if (!remade) return passOn(std::move(remade));
+        drawn.frame = std::move(*remade);
+    }
     auto bytes = encodePicture(drawn.frame, request.order.view, request.order.format, token);
     if (!bytes) return passOn(std::move(bytes));
     auto depth = request.order.withDepth ? encodeDepth(drawn.frame) : Bytes{};

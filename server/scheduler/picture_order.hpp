@@ -47,6 +47,8 @@ struct PictureOrder {
     /// What the view means for the cloud; of a view that differs (in its quality, mostly), what still holds
     /// is kept. Empty: not known yet. The scheduler keeps what the painter found out.
     std::shared_ptr<const PlannedView> planned{};
+    /// Makes what is encoded of the frame that was drawn, beside the render thread: a map (renderer/map). Pure. Empty: the frame itself.
+    std::function<Expected<Frame>(const Frame&, const std::stop_token&)> remade{};
 };
 
 struct EncodedPicture {

@@ -4,8 +4,6 @@
 
 #include <spdlog/spdlog.h>
 #include <algorithm>
-#include <cstdio>
-
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -16,23 +14,13 @@
 #include "server/catalog/describe_point.hpp"
 #include "server/net/api/mjpeg_request.hpp"
 #include "server/net/api/negotiate.hpp"
+#include "server/net/api/picture_headers.hpp"
 #include "server/net/api/picture_request.hpp"
 #include "server/net/page/file_answer.hpp"
 #include "server/scheduler/picture_bytes.hpp"
 
 namespace scancast {
 namespace {
-
-std::string serverTiming(const EncodedPicture& picture) {
-    double select = 0;
-    for (const StageTime& stage : picture.stats.stages) {
-        if (stage.name == "select") select += stage.milliseconds;
-    }
-    char text[128];
-    std::snprintf(text, sizeof text, "select;dur=%.2f, render;dur=%.2f, encode;dur=%.2f", select,
-                  picture.renderMs - select, picture.encodeMs);
-    return text;
-}
 
 /// A picture of a live cloud is old when the next frame comes: keeping it helps nobody.
 HttpResponse pictureResponse(PictureFormat format, const PlannedView& planned, const std::string& tag,
@@ -49,19 +37,6 @@ HttpResponse pictureResponse(PictureFormat format, const PlannedView& planned, c
     response.set("Scancast-Method", planned.method);
     if (!planned.reason.empty()) response.set("Scancast-Method-Reason", planned.reason);
     return response;
-}
-
-/// Nobody shall keep it as the picture of its view, or ask by a tag whether it is still the same.
-void forbidKeeping(HttpResponse& response) {
-    std::erase_if(response.headers, [](const auto& header) { return header.first == "ETag"; });
-    for (auto& [name, value] : response.headers)
-        if (name == "Cache-Control") value = "no-store";
-}
-
-/// A picture that lacks blocks is no picture of its view.
-void sayDamaged(HttpResponse& response, std::uint32_t blocks) {
-    forbidKeeping(response);
-    response.set("Scancast-Damaged", std::to_string(blocks));
 }
 
 /// Nobody keeps what holds a token.
@@ -132,7 +107,9 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
       photos_(admission_, options_.memory),
       points_(options_.memory, options_.points),
       measurer_(admission_, options_.memory, options_.maxPixels),
-      rasters_(admission_, options_.memory, scheduler, rasterOptions(options_), options_.version) {}
+      rasters_(admission_, options_.memory, scheduler, rasterOptions(options_), options_.version),
+      maps_({options_.maxPixels, options_.version}, admission_, pictures_, picker_, scheduler_, metrics_,
+            options_.memory) {}
 
 /// What routes answer, where that is more than a line. Lives as long as Api::answer(): what is answered later keeps
 /// copies.
@@ -486,6 +463,12 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
         case Route::Elevation:
         case Route::Orthophoto:
             return rasters_.answer(request, routed, answers.clouds_, std::move(respond), gone);
+        case Route::Wms:
+        case Route::Wmts:
+        case Route::WmtsCapabilities:
+        case Route::MapTile:
+        case Route::LonLat:
+            return maps_.answer(request, routed, answers.clouds_, std::move(respond), gone);
         case Route::GuestLinks:
             return respond(answers.guestLink());
         case Route::GuestSession:

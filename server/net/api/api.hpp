@@ -21,6 +21,7 @@
 #include "server/net/api/picker.hpp"
 #include "server/net/api/router.hpp"
 #include "server/net/api/shared_pictures.hpp"
+#include "server/net/maps/map_answers.hpp"
 #include "server/net/origin_check.hpp"
 #include "server/net/points/points_answers.hpp"
 #include "server/net/rasters/raster_answers.hpp"
@@ -92,6 +93,7 @@ class Api {
         points_.stop();
         measurer_.stop();
         rasters_.stop();
+        maps_.stop();
     }
 
   private:
@@ -118,6 +120,7 @@ class Api {
     PointsAnswers points_;
     Measurer measurer_;
     RasterAnswers rasters_;
+    MapAnswers maps_;
 };
 
 }  // namespace scancast

@@ -26,6 +26,8 @@ struct HttpRequest {
     std::string body{};
     std::string client{};  ///< whom its work is counted for: the address that it came from
     RequestIds ids{};
+    /// Where this server is for whoever asks, without a slash at its end: "https://scans.example.org" (public_url.hpp).
+    std::string base{};
 
     /// All values of that name (lower case), joined by ", "; empty when there is none.
     std::string header(std::string_view name) const;

@@ -35,6 +35,10 @@ static_assert(areInOrder());
 std::string* placeOf(std::string_view part, Routed& routed) {
     if (part == "{id}") return &routed.id;
     if (part == "{n}") return &routed.n;
+    if (part == "{set}") return &routed.tile.set;
+    if (part == "{z}") return &routed.tile.z;
+    if (part == "{x}") return &routed.tile.x;
+    if (part == "{y}") return &routed.tile.y;
     return nullptr;
 }
 

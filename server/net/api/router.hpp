@@ -35,6 +35,11 @@ enum class Route : std::uint8_t {
     Profile,
     Elevation,
     Orthophoto,
+    Wms,
+    Wmts,
+    WmtsCapabilities,
+    MapTile,
+    LonLat,
     StreamMjpeg,
     Stream,
     Sessions,
@@ -87,6 +92,13 @@ inline constexpr std::array routes{
     // Guests get orthophotos, and elevations where they may (raster_answers.hpp).
     RouteInfo{Route::Elevation, "/api/v1/clouds/{id}/dem.tif", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Orthophoto, "/api/v1/clouds/{id}/ortho.tif", "GET, HEAD", Need::Guest, false},
+    // Maps (server/net/maps/); their services answer errors in XML.
+    RouteInfo{Route::Wms, "/api/v1/clouds/{id}/wms", "GET, HEAD", Need::Guest, false},
+    RouteInfo{Route::Wmts, "/api/v1/clouds/{id}/wmts", "GET, HEAD", Need::Guest, false},
+    RouteInfo{Route::WmtsCapabilities, "/api/v1/clouds/{id}/wmts/1.0.0/WMTSCapabilities.xml", "GET, HEAD", Need::Guest,
+              false},
+    RouteInfo{Route::MapTile, "/api/v1/clouds/{id}/tiles/{set}/{z}/{x}/{y}", "GET, HEAD", Need::Guest, false},
+    RouteInfo{Route::LonLat, "/api/v1/clouds/{id}/lonlat", "POST", Need::Guest, true},
     RouteInfo{Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Stream, "/api/v1/stream", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Sessions, "/api/v1/sessions", "GET, HEAD", Need::Admin, true},
@@ -113,6 +125,10 @@ struct Routed {
     std::string id;     ///< decoded, of a cloud or a session; it is only ever looked up
     std::string
         n;  ///< decoded, what stands for {n}: the number of one of the cloud's; nobody has looked whether it is one
+    struct Tile {
+        std::string set, z, x, y;  ///< decoded; nobody has looked what they are
+    };
+    Tile tile{};    ///< of map tiles
     Grant grant{};  ///< of whoever asks; Api::admit() says it
 };
 

@@ -1,0 +1,38 @@
+// What a cloud's maps are, as services tell it: WMS 1.3.0 and WMTS 1.0.0 capabilities. Pure functions; any thread.
+// Pipeline: map answers → **capabilities** → client.
+#pragma once
+
+#include <array>
+#include <glm/vec2.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer/cloud/cloud.hpp"
+#include "renderer/geo/geo_reference.hpp"
+#include "server/net/maps/map_request.hpp"
+
+namespace scancast {
+
+using MapBounds = std::array<glm::dvec2, 2>;  ///< low, high
+
+/// All that is told.
+struct MapFacts {
+    std::string layer, title, attribution;
+    std::string address;               ///< of the cloud: "https://scans.example.org/api/v1/clouds/town"
+    WordValues words;                  ///< of a view, that addresses shall have
+    std::vector<std::string> styles;   ///< beside the default
+    std::optional<FileCrs> crs;        ///< empty: not known
+    MapBounds bounds{};                ///< in the cloud's coordinates
+    std::optional<MapBounds> lonLat, mercator;  ///< empty: not known
+    int widest = 0;                    ///< px, of a map's side
+};
+
+/// Bounds, in the world's systems where it is known; `geo` may be nullptr.
+MapFacts mapFacts(const Cloud& cloud, const GeoReference* geo);
+
+std::string wmsCapabilities(const MapFacts& facts);
+/// `cloud` says what the tiles of its own coordinates are.
+std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud);
+
+}  // namespace scancast

@@ -1,0 +1,448 @@
+#include "server/net/maps/map_answers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "protocol/points/lonlat_request.hpp"
+#include "protocol/view/view_words.hpp"
+#include "renderer/plan.hpp"
+#include "server/base/faults.hpp"
+#include "server/catalog/describe_point.hpp"
+#include "server/net/api/negotiate.hpp"
+#include "server/net/api/picture_headers.hpp"
+#include "server/net/api/picture_request.hpp"
+#include "server/net/maps/capabilities.hpp"
+#include "server/net/maps/feature_text.hpp"
+#include "server/net/maps/map_place.hpp"
+#include "server/net/maps/service_exception.hpp"
+#include "server/net/maps/tile_sets.hpp"
+#include "server/scheduler/picture_bytes.hpp"
+
+namespace scancast {
+namespace {
+
+constexpr std::size_t mostWaitingMaps = 256;
+constexpr std::size_t mostReferences = 16;
+/// px: of the picture in whose middle a place is looked at.
+constexpr int lookedAtSide = 33;
+/// ms of a reference core to encode a pixel of nothing.
+constexpr double forEmptyPixel = 15e-6;
+
+bool says(const WordValues& words, std::string_view name) {
+    return std::ranges::any_of(words, [name](const auto& word) { return word.first == name; });
+}
+
+/// A map has one background; the camera looks straight down, on all of the cloud until there is an extent.
+Expected<View> asMap(const Cloud& cloud, View view, const MapRequest& map) {
+    view.width = map.width;
+    view.height = map.height;
+    view.camera = cameraAbove(cloud, (glm::dvec2(cloud.bounds[0]) + glm::dvec2(cloud.bounds[1])) * 0.5, 1);
+    Background& background = view.style.background;
+    if (!says(map.words, "background")) {
+        background = {map.transparent ? Background::Kind::Transparent : Background::Kind::Color, map.background,
+                      map.background};
+    }
+    if (background.kind == Background::Kind::Gradient)
+        return fail(ErrorCode::InvalidArgument, "background: a map has one colour, or is transparent", "background");
+    if (background.kind == Background::Kind::Transparent && map.format != PictureFormat::Png)
+        background = {Background::Kind::Color, map.background, map.background};
+    return view;
+}
+
+std::optional<Rgb8> backgroundOf(const View& view) {
+    if (view.style.background.kind == Background::Kind::Transparent) return std::nullopt;
+    return view.style.background.top;
+}
+
+/// Everything that decides its pixels beside the view.
+std::string printed(const MapRequest& map) {
+    return fmt::format("map {} {} {} {} {} {} {}x{}", map.crs, map.axesOfCrs, map.box[0], map.box[1], map.box[2],
+                       map.box[3], map.width, map.height);
+}
+
+const WordValues& wordsOf(const MapRequest& map) {
+    return map.words;
+}
+const WordValues& wordsOf(const FeatureRequest& request) {
+    return request.map.words;
+}
+const WordValues& wordsOf(const CapabilitiesRequest& request) {
+    return request.words;
+}
+
+MapService serviceOf(Route route) {
+    switch (route) {
+        case Route::Wms:
+            return MapService::Wms;
+        case Route::Wmts:
+        case Route::WmtsCapabilities:
+            return MapService::Wmts;
+        default:
+            return MapService::Plain;
+    }
+}
+
+}  // namespace
+
+/// Who asked, for what cloud. Shared by all who work for it.
+struct MapAnswers::Asked {
+    explicit Asked(const VisibleClouds& visible) : clouds(visible) {}
+
+    std::shared_ptr<const Cloud> cloud;  ///< what the words of a view show
+    VisibleClouds clouds;
+    bool live = false;
+    MapService service = MapService::Plain;
+    HttpRequest request;
+    std::string id, path;
+    Respond respond;
+    std::stop_token gone;
+
+    void refuse(Problem problem, std::string_view field = {}) const {
+        problem.instance = path;
+        const int status = problem.status;
+        HttpResponse response = exceptionResponse(service, problem, field);
+        if (status == 429 || status == 503) response.set("Retry-After", "1");
+        respond(std::move(response));
+    }
+    void refuse(const Error& error) const { refuse(problemOf(error), error.field); }
+};
+
+/// A map's picture, before anybody knows what has to be drawn for it.
+struct MapAnswers::Ordered {
+    MapRequest map;
+    View view;
+    int margin = 0;  ///< px that its screen passes look at
+    DeviceInfo device;
+    std::string tag;
+
+    HttpResponse head(const Asked& asked) const {
+        HttpResponse response;
+        response.set("Content-Type", std::string(mediaType(map.format)))
+            .set("ETag", tag)
+            .set("Cache-Control", asked.live ? "no-store" : "no-cache");
+        return response;
+    }
+};
+
+/// Where clouds are, remembered: PROJ needs milliseconds to find out.
+class MapAnswers::References {
+  public:
+    const Expected<GeoReference>& of(const Cloud& cloud) {
+        for (auto at = known_.begin(); at != known_.end(); ++at) {
+            if (at->wkt != cloud.crsWkt || at->epsg != cloud.crsEpsg) continue;
+            if (at != known_.begin()) std::rotate(known_.begin(), at, at + 1);
+            return known_.front().reference;
+        }
+        known_.push_front({cloud.crsWkt, cloud.crsEpsg, GeoReference::create(cloud)});
+        if (known_.size() > mostReferences) known_.pop_back();
+        return known_.front().reference;
+    }
+
+  private:
+    struct Known {
+        std::string wkt;
+        std::optional<int> epsg;
+        Expected<GeoReference> reference;
+    };
+    std::deque<Known> known_;
+};
+
+MapAnswers::MapAnswers(MapOptions options, const Admission& admission, const SharedPictures& pictures,
+                       const Picker& picker, const Scheduler& scheduler, Metrics& metrics, TransientMemory memory)
+    : options_(std::move(options)),
+      admission_(admission),
+      pictures_(pictures),
+      picker_(picker),
+      scheduler_(scheduler),
+      metrics_(metrics),
+      memory_(std::move(memory)),
+      references_(std::make_unique<References>()),
+      worker_(mostWaitingMaps) {}
+
+MapAnswers::~MapAnswers() = default;
+
+void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
+                        const std::stop_token& gone) const {
+    const auto asked = std::make_shared<Asked>(clouds);
+    asked->service = serviceOf(routed.route);
+    asked->request = request;
+    asked->id = routed.id;
+    asked->path = routed.path;
+    asked->respond = std::move(respond);
+    asked->gone = gone;
+    auto cloud = clouds.cloud(routed.id);
+    if (!cloud) return asked->refuse(std::move(cloud.error()));
+    asked->cloud = std::move(*cloud);
+    switch (routed.route) {
+        case Route::Wms:
+            return wms(asked, routed.query);
+        case Route::Wmts:
+            return wmts(asked, routed.query);
+        case Route::WmtsCapabilities: {
+            const auto words = parseMapWords(routed.query);
+            if (!words) return asked->refuse(words.error());
+            if (look(asked, *words)) capabilities(asked, {*words}, true);
+            return;
+        }
+        case Route::MapTile: {
+            const auto& [set, z, x, y] = routed.tile;
+            const auto parsed = parseTileRequest(set, z, x, y, routed.query);
+            if (!parsed) return asked->refuse(parsed.error());
+            return tile(asked, *parsed);
+        }
+        default:
+            return lonLat(asked, request.body);
+    }
+}
+
+std::optional<View> MapAnswers::look(const Shared& asked, const WordValues& words) const {
+    auto viewed = viewOfWords(asked->clouds, asked->id, words, options_.maxPixels);
+    if (!viewed) {
+        asked->refuse(viewed.error());
+        return std::nullopt;
+    }
+    asked->cloud = std::move(viewed->cloud);
+    asked->live = asked->clouds.isLive(asked->id, viewed->planned->view.with);
+    return viewed->planned->view;
+}
+
+void MapAnswers::wms(const Shared& asked, std::string_view query) const {
+    const auto parsed = parseWmsRequest(query, asked->id);
+    if (!parsed) return asked->refuse(parsed.error());
+    const auto view = look(asked, std::visit([](const auto& wanted) -> const WordValues& { return wordsOf(wanted); }, *parsed));
+    if (!view) return;
+    if (const auto* wanted = std::get_if<MapRequest>(&*parsed)) return map(asked, *wanted, *view);
+    if (const auto* wanted = std::get_if<FeatureRequest>(&*parsed)) return feature(asked, *wanted, *view);
+    capabilities(asked, std::get<CapabilitiesRequest>(*parsed), false);
+}
+
+void MapAnswers::wmts(const Shared& asked, std::string_view query) const {
+    const auto parsed = parseWmtsRequest(query, asked->id);
+    if (!parsed) return asked->refuse(parsed.error());
+    if (const auto* wanted = std::get_if<TileRequest>(&*parsed)) return tile(asked, *wanted);
+    const auto& wanted = std::get<CapabilitiesRequest>(*parsed);
+    if (look(asked, wanted.words)) capabilities(asked, wanted, true);
+}
+
+void MapAnswers::tile(const Shared& asked, const TileRequest& tile) const {
+    const auto view = look(asked, tile.words);
+    if (!view) return;
+    const bool isFile = tile.set == fileCrs;
+    const TileSet set = isFile ? fileTiles(*asked->cloud) : mercatorTiles();
+    const MapExtent extent = set.extentOf(tile.z, tile.x, tile.y);
+    MapRequest wanted;
+    wanted.crs = isFile ? std::string(fileCrs) : "EPSG:3857";
+    wanted.box = {extent.low.x, extent.low.y, extent.high.x, extent.high.y};
+    wanted.width = extent.width;
+    wanted.height = extent.height;
+    wanted.format = tile.format;
+    wanted.transparent = true;
+    wanted.words = tile.words;
+    map(asked, wanted, *view);
+}
+
+void MapAnswers::post(const Shared& asked, std::function<void()> work) const {
+    const bool posted = worker_.post([asked, work = std::move(work)](const std::stop_token& stop) {
+        if (stop.stop_requested() || asked->gone.stop_requested()) return;
+        if (auto done = contained("Making a map", work); !done) asked->refuse(done.error());
+    });
+    if (!posted) asked->refuse(problemOf(503, "Too many maps are waiting; ask again in a moment."));
+}
+
+void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& looked) const {
+    const Cloud& cloud = *asked->cloud;
+    if (std::uint64_t(map.width) * std::uint64_t(map.height) > options_.maxPixels) {
+        return asked->refuse(
+            {ErrorCode::ResourceLimit,
+             fmt::format("A map of {} x {} pixels is larger than this server draws; the limit is {} pixels.", map.width,
+                         map.height, options_.maxPixels),
+             "WIDTH"});
+    }
+    auto view = asMap(cloud, looked, map);
+    if (!view) return asked->refuse(view.error());
+    const auto planned = plan(cloud, *view);
+    if (!planned) return asked->refuse(planned.error());
+    const DeviceStatus device = scheduler_.device();
+    if (device.state != DeviceStatus::State::Ready)
+        return asked->refuse(problemOf(503, "The rendering device is not available."));
+    Ordered ordered{map, std::move(*view), (*planned)->margin, device.info, {}};
+    ordered.tag = contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
+                             printed(ordered.map));
+    HttpResponse head = ordered.head(*asked);
+    if (matchesAny(asked->request.header("if-none-match"), ordered.tag)) {
+        head.status = 304;
+        return asked->respond(std::move(head));
+    }
+    if (asked->request.method == "HEAD") {
+        head.bodyUnknown = true;
+        return asked->respond(std::move(head));
+    }
+    post(asked, [this, asked, ordered = std::move(ordered)] { draw(asked, ordered); });
+}
+
+void MapAnswers::draw(const Shared& asked, const Ordered& ordered) const {
+    const Cloud& cloud = *asked->cloud;
+    static const Expected<GeoReference> notNeeded = fail(ErrorCode::Internal, "no reference is needed");
+    const auto& geo = needsReference(ordered.map) ? references_->of(cloud) : notNeeded;
+    const auto placement = placementOf(ordered.map, geo);
+    if (!placement) return asked->refuse(placement.error());
+    const auto background = backgroundOf(ordered.view);
+    const auto picture = mapPicture(cloud, placement->extent, placement->projection, background,
+                                    {.margin = ordered.margin, .mostPixels = options_.maxPixels});
+    if (!picture) return asked->refuse(picture.error());
+    if (!*picture) return answerEmpty(asked, ordered);
+    View view = ordered.view;
+    view.camera = (*picture)->camera;
+    view.width = (*picture)->width;
+    view.height = (*picture)->height;
+    const auto planned = plan(cloud, view);
+    if (!planned) return asked->refuse(planned.error());
+    const auto refuseCostly = [this, &asked](const Problem& problem) {
+        metrics_.pictureRefused(problem.status == 413   ? CostRefusal::Picture
+                                : problem.status == 429 ? CostRefusal::Client
+                                                        : CostRefusal::Total);
+        asked->refuse(problem);
+    };
+    const PictureFormat format = ordered.map.format;
+    const auto price = admission_.price(cloud, **planned, format);
+    if (!price) return refuseCostly(price.error());
+    auto work = admission_.take(asked->request.client, *price);
+    if (!work) return refuseCostly(work.error());
+    auto kept = admission_.keep(asked->request.client, bytesToKeep(ordered.view, format));
+    if (!kept) return refuseCostly(kept.error());
+    PictureOrder order{asked->cloud, view, format, false};
+    order.planned = *planned;
+    order.price = *price;
+    order.client = asked->request.client;
+    order.kept = std::move(*kept);
+    if (const auto warp = (*picture)->warp) {
+        order.remade = [warp, memory = memory_](const Frame& frame, const std::stop_token& stop) {
+            const auto bytes = std::uint64_t(warp->width) * std::uint64_t(warp->height) * 4;
+            const TransientMemory::Hold hold = memory.hold(MemoryUse::Frames, bytes);
+            return warp->apply(frame, stop);
+        };
+    }
+    const auto ticket = std::make_shared<WorkBudget::Ticket>(std::move(*work));
+    PictureDone done = [asked, ordered, ticket, price = *price, planned = *planned,
+                        most = mostSamples(cloud)](const Expected<EncodedPicture>& drawn) {
+        ticket->reset();
+        if (!drawn) return asked->refuse(drawn.error());
+        HttpResponse response = ordered.head(*asked);
+        // Ranks that came or went meanwhile, or another device.
+        if (mostSamples(*asked->cloud) != most || drawn->device.identity != ordered.device.identity)
+            forbidKeeping(response);
+        if (drawn->stats.nodesDamaged > 0) sayDamaged(response, drawn->stats.nodesDamaged);
+        response.set("Scancast-Method", planned->method);
+        response.set("Server-Timing", serverTiming(*drawn));
+        response.set("Scancast-Price", fmt::format("{:.0f}", price));
+        response.price = price / 1000;
+        response.bytes = drawn->bytes;
+        asked->respond(std::move(response));
+    };
+    metrics_.pictureAdmitted(*price / 1000);
+    if (auto queued = pictures_.order(ordered.tag, std::move(order), std::move(done), asked->gone); !queued)
+        asked->refuse(problemOf(503, queued.error().message));
+}
+
+void MapAnswers::answerEmpty(const Shared& asked, const Ordered& ordered) const {
+    const MapRequest& map = ordered.map;
+    const double pixels = double(map.width) * map.height;
+    const auto work = admission_.take(asked->request.client, pixels * forEmptyPixel);
+    if (!work) return asked->refuse(work.error());
+    auto kept = admission_.keep(asked->request.client, std::uint64_t(pixels));
+    if (!kept) return asked->refuse(kept.error());
+    const TransientMemory::Hold hold = memory_.hold(MemoryUse::Frames, std::uint64_t(pixels) * 8);
+    auto bytes = encodePicture(emptyMap(map.width, map.height, backgroundOf(ordered.view)), ordered.view, map.format,
+                               asked->gone);
+    if (!bytes) return asked->refuse(bytes.error());
+    HttpResponse response = ordered.head(*asked);
+    response.bytes = memory_.shared(MemoryUse::Answers, std::move(*bytes), std::move(*kept));
+    asked->respond(std::move(response));
+}
+
+void MapAnswers::feature(const Shared& asked, const FeatureRequest& request, const View& looked) const {
+    const auto view = asMap(*asked->cloud, looked, request.map);
+    if (!view) return asked->refuse(view.error());
+    post(asked, [this, asked, request, view = *view] { pick(asked, request, view); });
+}
+
+void MapAnswers::pick(const Shared& asked, const FeatureRequest& request, View view) const {
+    static const Expected<GeoReference> notNeeded = fail(ErrorCode::Internal, "no reference is needed");
+    const auto& geo = needsReference(request.map) ? references_->of(*asked->cloud) : notNeeded;
+    const auto placement = placementOf(request.map, geo);
+    if (!placement) return asked->refuse(placement.error());
+    const glm::dvec2 pixel(request.i + 0.5, request.j + 0.5);
+    const glm::dvec2 there = placement->extent.placeAt(pixel);
+    const auto place = placeUnder(placement->extent, placement->projection, pixel);
+    if (!place) return asked->respond(featureResponse(request.format, nullptr, there));
+    view.width = view.height = lookedAtSide;
+    view.camera = cameraAbove(*asked->cloud, place->place, lookedAtSide * place->unitsPerPixel);
+    const auto planned = plan(*asked->cloud, view);
+    if (!planned) return asked->refuse(planned.error());
+    const auto price = admission_.price(*asked->cloud, **planned, PictureFormat::Depth);
+    if (!price) return asked->refuse(price.error());
+    auto work = admission_.take(asked->request.client, *price);
+    if (!work) return asked->refuse(work.error());
+    auto done = [asked, format = request.format, there, price = *price,
+                 ticket = std::make_shared<WorkBudget::Ticket>(std::move(*work))](
+                    const Expected<std::optional<Picked>>& picked) {
+        ticket->reset();
+        if (!picked) return asked->refuse(picked.error());
+        HttpResponse response = featureResponse(
+            format, *picked ? pickedJson(*asked->cloud, **picked) : nlohmann::json(), there);
+        response.price = price / 1000;
+        asked->respond(std::move(response));
+    };
+    const double middle = lookedAtSide * 0.5;
+    if (auto queued = picker_.pick(asked->cloud, *planned, middle, middle, std::move(done),
+                                   {asked->request.client, *price, asked->gone});
+        !queued)
+        asked->refuse(queued.error());
+}
+
+void MapAnswers::capabilities(const Shared& asked, const CapabilitiesRequest& request, bool isWmts) const {
+    post(asked, [this, asked, request, isWmts] {
+        const Cloud& cloud = *asked->cloud;
+        const auto& geo = references_->of(cloud);
+        MapFacts facts = mapFacts(cloud, geo ? &*geo : nullptr);
+        facts.layer = asked->id;
+        facts.address = asked->request.base + "/api/v1/clouds/" + asked->id;
+        facts.words = request.words;
+        facts.widest = int(std::min(std::sqrt(double(options_.maxPixels)), double(maxPictureSide)));
+        HttpResponse response;
+        response.text = isWmts ? wmtsCapabilities(facts, cloud) : wmsCapabilities(facts);
+        const std::string tag = contentTag(response.text);
+        response.set("Content-Type", isWmts ? "application/xml; charset=utf-8" : "text/xml; charset=utf-8")
+            .set("ETag", tag)
+            .set("Cache-Control", asked->live ? "no-store" : "no-cache");
+        if (matchesAny(asked->request.header("if-none-match"), tag)) {
+            response.status = 304;
+            response.text.clear();
+        }
+        asked->respond(std::move(response));
+    });
+}
+
+void MapAnswers::lonLat(const Shared& asked, const std::string& body) const {
+    auto parsed = parseLonLatRequest(body);
+    if (!parsed) return asked->refuse(parsed.error());
+    post(asked, [this, asked, request = std::move(*parsed)]() mutable {
+        const auto& geo = references_->of(*asked->cloud);
+        if (!geo) return asked->refuse(geo.error());
+        auto& places = request.points;
+        if (request.toFile)
+            geo->toFile(WorldCrs::LonLat, places);
+        else
+            geo->fromFile(WorldCrs::LonLat, places);
+        LonLatPoints points;
+        for (const glm::dvec2& place : places)
+            points.push_back(std::isfinite(place.x) ? std::optional(place) : std::nullopt);
+        asked->respond(jsonResponse({{"points", toJson(points)}, {"crs", crsJson(*asked->cloud)}}));
+    });
+}
+
+}  // namespace scancast

@@ -99,7 +99,7 @@ class PointsOfAServer(support.Served):
     def test_rasters_have_what_brute_force_finds(self):
         self.needs_route("dem.tif")
         for value in ("highest", "lowest", "mean", "count"):
-            raster = self.cloud.dem(cell=4, value=value, classes=[2, 6])
+            raster = self.cloud.dem(cell=4, value=value, classes=[2, 6], outliers="show")
             cells = raster.array()
             self.assertEqual(cells.shape, (raster.rows, raster.columns))
             truth = self.truth[numpy.isin(self.truth["classification"], [2, 6])]

@@ -123,6 +123,7 @@ TEST_F(RastersTest, WhatCannotBeMadeIsRefusedInAWordThatSaysWhy) {
         EXPECT_NE(reply.body.find(words.substr(0, words.find('='))), std::string::npos) << words;
     }
     EXPECT_EQ(get("survey/ortho.tif?fill=1").status, 400);
+    EXPECT_EQ(get("survey/ortho.tif?with=nowhere").status, 404);
     const std::string loading = server->catalog().add("loading");
     server->catalog().setPreview(loading, one);
     EXPECT_EQ(get(loading + "/dem.tif").status, 503) << "a coarse cloud is not all of it";

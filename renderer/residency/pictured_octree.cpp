@@ -132,4 +132,19 @@ Expected<std::shared_ptr<const Octree>> picturedOctree(const Cloud& cloud, const
     return derived.keep(words, std::make_shared<const Octree>(std::move(nodes), std::move(store)));
 }
 
+Expected<std::shared_ptr<const Cloud>> filteredCloud(std::shared_ptr<const Cloud> cloud, Style style) {
+    style.color = ColorSource::Auto;
+    const auto pictured = picturedOctree(*cloud, style);
+    if (!pictured) return passOn(pictured);
+    if (!*pictured) return cloud;
+    // Whose samples are filtered must live as long.
+    struct Filtered {
+        std::shared_ptr<const Cloud> whole;
+        Cloud left;
+    };
+    const auto made = std::make_shared<Filtered>(Filtered{cloud, *cloud});
+    made->left.octree = **pictured;
+    return std::shared_ptr<const Cloud>(made, &made->left);
+}
+
 }  // namespace scancast

@@ -16,6 +16,10 @@ namespace scancast {
 /// chooseColumns()'s; Unsupported where not all samples are in this process (ranks).
 Expected<std::shared_ptr<const Octree>> picturedOctree(const Cloud& cloud, const Style& style);
 
+/// The cloud with the octree that the style's filter leaves, its colours as they are: for who looks at points rather than pictures.
+/// `cloud` itself where there is no filter. Errors: picturedOctree()'s.
+Expected<std::shared_ptr<const Cloud>> filteredCloud(std::shared_ptr<const Cloud> cloud, Style style);
+
 /// Whether columns can be chosen of every node: none of it is an inner one, or its file has their values.
 bool hasInnerNodes(const Octree& octree);
 

@@ -11,7 +11,7 @@ import unittest.mock
 import support
 
 import scancast
-from scancast import _clouds, _decode, _exports, _http, _rfc6455, _shapes, _values, _view_words, _wanted, errors, facts, words
+from scancast import _clouds, _decode, _exports, _http, _ranges, _rfc6455, _shapes, _values, _view_words, _wanted, errors, facts, words
 
 sys.path.insert(0, support.PACKAGE)
 import make_view_words  # noqa: E402
@@ -56,7 +56,7 @@ class Tables(unittest.TestCase):
         self.assertIs(type(errors.problem({}, 418)), errors.Refused)
 
     def test_doctests(self):
-        for module in (_values, _clouds, _shapes, words, _http, _rfc6455, _exports):
+        for module in (_values, _clouds, _ranges, _shapes, words, _http, _rfc6455, _exports):
             failed, tried = doctest.testmod(module)
             self.assertEqual(failed, 0, module.__name__)
             self.assertGreater(tried, 0, module.__name__)
@@ -115,6 +115,16 @@ class Words(unittest.TestCase):
         for strange in ("box:1,2", "ball:1,2,3", "", "box"):
             self.assertEqual(_shapes.shapes_of(strange), strange)
         self.assertEqual(words.view_of({"clips": "plane:0,0,3,0,0,-1"}), {"clips": [{"plane": {"point": [0, 0, 3], "normal": [0, 0, -1]}}]})
+
+    def test_ranges_of_columns_are_written_either_way(self):
+        text = "a:1..2;b; c%25:..-3;d:e:1e-05.."
+        text = text.replace("b; c", "b%3B c")
+        ranges = _ranges.ranges_of(text)
+        self.assertEqual(ranges, [{"column": "a", "low": 1, "high": 2}, {"column": "b; c%", "high": -3}, {"column": "d:e", "low": 1e-5}])
+        self.assertEqual(_ranges.ranges_of(_ranges.ranges_text(ranges)), ranges)
+        for strange in ("a", "a:1", ":1..2", "", "a:x..", "a%:1.."):
+            self.assertEqual(_ranges.ranges_of(strange), strange)
+        self.assertEqual(words.view_of({"filter": "a:1.."}), {"filter": [{"column": "a", "low": 1}]})
 
 
 class Wanted(unittest.TestCase):

@@ -33,6 +33,8 @@ class RegionWords(TypedDict, total=False):
     clip: Box
     clips: Any
     classes: Sequence[int]
+    filter: Any
+    """Ranges of columns: ``[{"column": "gps_time", "low": 3600}]``."""
     polygon: Sequence[Sequence[float]]
     """Three corners in plan or more."""
     z: Tuple[float, float]

@@ -50,7 +50,7 @@ class ViewWords(TypedDict, total=False):
     method: str
     # Parameters of the method, by name.
     param: Mapping[str, Optional[Union[float, bool, str]]]
-    # Where colours come from, or one colour for everything (the # may be left out); auto takes the cloud's best. rgb, elevation, classification, cloud and #rrggbb get brighter with intensity by *intensity. cir is colour infrared: near infrared as red, red as green, green as blue. visibility tells hidden points from visible ones, with method pyramid. cloud gives each cloud of several (with) a colour of its own.
+    # Where colours come from, or one colour for everything (the # may be left out); auto takes the cloud's best. rgb, elevation, classification, cloud and #rrggbb get brighter with intensity by *intensity. cir is colour infrared: near infrared as red, red as green, green as blue. visibility tells hidden points from visible ones, with method pyramid. cloud gives each cloud of several (with) a colour of its own. column:NAME is a column that the cloud keeps.
     color: str
     # How much brighter the points' own colours are drawn, by powers of two; auto leaves it to the cloud. Must lie between -3 and 3 stops.
     exposure: Union[float, None, Literal["auto"]]
@@ -64,6 +64,8 @@ class ViewWords(TypedDict, total=False):
     clip: Union[Box, None, Literal["auto"]]
     # Cut by up to eight shapes: box:CX,CY,CZ,SX,SY,SZ[,YAW[,PITCH,ROLL]] keeps what is in a turned box (in one of them at least), -box: what is outside, plane:PX,PY,PZ,NX,NY,NZ the side that its normal points to; auto cuts nothing.
     clips: Union[Sequence[Mapping[str, Any]], None, Literal["auto"]]
+    # Draw only points whose values of a kept column, of intensity or of classification lie in the range, its ends included; LOW or HIGH may be left out, and up to four ranges all have to hold; auto draws everything. In a NAME, ; is written %3B and % is written %25.
+    filter: Union[Sequence[Mapping[str, Any]], None, Literal["auto"]]
     # How light falls on points; auto leaves it to the method.
     shading: Union[str, None, Literal["auto"]]
     # How light falls; what is left out keeps its value.
@@ -112,6 +114,7 @@ PLACES: Dict[str, Tuple[str, ...]] = {
     "classes": ("classes",),
     "clip": ("clip",),
     "clips": ("clips",),
+    "filter": ("filter",),
     "shading": ("shading",),
     "light": ("light",),
     "mirrors": ("mirrors",),
@@ -136,6 +139,7 @@ AUTOMATIC: FrozenSet[str] = frozenset({
     "detail",
     "exposure",
     "far",
+    "filter",
     "light.occlusion",
     "light.sun",
     "near",

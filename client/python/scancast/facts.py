@@ -35,13 +35,27 @@ class Attribute:
 
 
 @dataclass(frozen=True)
+class Histogram:
+    """How many points have values in each of equal parts from ``low`` to ``high``."""
+
+    low: float
+    high: float
+    counts: List[int]
+
+
+@dataclass(frozen=True)
 class Column:
-    """What is kept beside the samples: ``gps_time``, extra bytes."""
+    """What is kept beside the samples: ``gps_time``, extra bytes; and ``intensity``."""
 
     name: str
     type: str
     range: Tuple[float, float]
     description: str = ""
+    drawn: bool = False
+    """Whether views may be coloured and filtered by it."""
+    usual: Optional[Tuple[float, float]] = None
+    """The 1st and the 99th percentile."""
+    histogram: Optional[Histogram] = None
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any, Dict, List, Mapping, Optional, Protocol, Tuple, Union
 from urllib.parse import quote
 
+from ._ranges import ranges_of, ranges_text
 from ._clouds import clouds_of, clouds_text
 from ._shapes import shapes_of, shapes_text
 from ._values import box, camel, merged, number_text, plain
@@ -47,6 +48,8 @@ def view_of(words: Mapping[str, Any], base: Optional[Mapping[str, Any]] = None) 
             value = box(value)
         elif name == "clips" and isinstance(value, str) and value != "auto":
             value = shapes_of(value)
+        elif name == "filter" and isinstance(value, str) and value != "auto":
+            value = ranges_of(value)
         elif name == "with_" and isinstance(value, str):
             value = clouds_of(value)
         elif name == "classes" and value == "none":
@@ -118,6 +121,8 @@ def words_text(view: Mapping[str, Any]) -> List[Tuple[str, str]]:
             said.append((key, "none"))
         elif key == "clips" and value is not None:
             said.append((key, shapes_text(value)))
+        elif key == "filter" and value:
+            said.append((key, ranges_text(value)))
         elif key == "with" and value is not None:
             said.append((key, clouds_text(value)))
         elif key == "background" and value is None:

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "protocol/text/grouped.hpp"
+#include "renderer/residency/pictured_octree.hpp"
 #include "renderer/style.hpp"
 #include "server/base/faults.hpp"
 #include "server/catalog/describe_measure.hpp"
@@ -86,7 +87,9 @@ void Measurer::answer(const HttpRequest& request, const Routed& routed,
         if (!error.field.empty()) error.field = "view." + error.field;
         return refuse(problemOf(error));
     }
-    Asked asked{cloud,
+    auto filtered = filteredCloud(cloud, (*planned)->view.style);
+    if (!filtered) return refuse(problemOf(filtered.error()));
+    Asked asked{std::move(*filtered),
                 std::move(*parsed),
                 sampleFilter(*cloud, (*planned)->view.style),
                 std::move(*units),

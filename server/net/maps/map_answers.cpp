@@ -32,15 +32,17 @@ constexpr int lookedAtSide = 33;
 /// ms of a reference core to encode a pixel of nothing.
 constexpr double forEmptyPixel = 15e-6;
 
-/// What of a view a map has: everything but the camera, which looks straight down on all of the cloud until there is an extent.
-Expected<View> viewOfMap(const Cloud& cloud, const MapRequest& map) {
-    View view = defaultView(cloud, map.width, map.height);
+bool says(const WordValues& words, std::string_view name) {
+    return std::ranges::any_of(words, [name](const auto& word) { return word.first == name; });
+}
+
+/// A map has one background; the camera looks straight down, on all of the cloud until there is an extent.
+Expected<View> asMap(const Cloud& cloud, View view, const MapRequest& map) {
+    view.width = map.width;
+    view.height = map.height;
     view.camera = cameraAbove(cloud, (glm::dvec2(cloud.bounds[0]) + glm::dvec2(cloud.bounds[1])) * 0.5, 1);
-    auto styled = applyWords(view, map.words);
-    if (!styled) return passOn(std::move(styled));
-    Background& background = styled->style.background;
-    const bool isSaid = std::ranges::any_of(map.words, [](const auto& word) { return word.first == "background"; });
-    if (!isSaid) {
+    Background& background = view.style.background;
+    if (!says(map.words, "background")) {
         background = {map.transparent ? Background::Kind::Transparent : Background::Kind::Color, map.background,
                       map.background};
     }
@@ -48,7 +50,7 @@ Expected<View> viewOfMap(const Cloud& cloud, const MapRequest& map) {
         return fail(ErrorCode::InvalidArgument, "background: a map has one colour, or is transparent", "background");
     if (background.kind == Background::Kind::Transparent && map.format != PictureFormat::Png)
         background = {Background::Kind::Color, map.background, map.background};
-    return styled;
+    return view;
 }
 
 std::optional<Rgb8> backgroundOf(const View& view) {
@@ -60,6 +62,16 @@ std::optional<Rgb8> backgroundOf(const View& view) {
 std::string printed(const MapRequest& map) {
     return fmt::format("map {} {} {} {} {} {} {}x{}", map.crs, map.axesOfCrs, map.box[0], map.box[1], map.box[2],
                        map.box[3], map.width, map.height);
+}
+
+const WordValues& wordsOf(const MapRequest& map) {
+    return map.words;
+}
+const WordValues& wordsOf(const FeatureRequest& request) {
+    return request.map.words;
+}
+const WordValues& wordsOf(const CapabilitiesRequest& request) {
+    return request.words;
 }
 
 MapService serviceOf(Route route) {
@@ -78,7 +90,10 @@ MapService serviceOf(Route route) {
 
 /// Who asked, for what cloud. Shared by all who work for it.
 struct MapAnswers::Asked {
-    std::shared_ptr<const Cloud> cloud;
+    explicit Asked(const VisibleClouds& visible) : clouds(visible) {}
+
+    std::shared_ptr<const Cloud> cloud;  ///< what the words of a view show
+    VisibleClouds clouds;
     bool live = false;
     MapService service = MapService::Plain;
     HttpRequest request;
@@ -152,7 +167,7 @@ MapAnswers::~MapAnswers() = default;
 
 void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
                         const std::stop_token& gone) const {
-    auto asked = std::make_shared<Asked>();
+    const auto asked = std::make_shared<Asked>(clouds);
     asked->service = serviceOf(routed.route);
     asked->request = request;
     asked->id = routed.id;
@@ -162,16 +177,16 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
     auto cloud = clouds.cloud(routed.id);
     if (!cloud) return asked->refuse(std::move(cloud.error()));
     asked->cloud = std::move(*cloud);
-    asked->live = clouds.isLive(routed.id);
     switch (routed.route) {
         case Route::Wms:
             return wms(asked, routed.query);
         case Route::Wmts:
             return wmts(asked, routed.query);
         case Route::WmtsCapabilities: {
-            auto words = parseMapWords(routed.query);
+            const auto words = parseMapWords(routed.query);
             if (!words) return asked->refuse(words.error());
-            return capabilities(asked, {std::move(*words)}, true);
+            if (look(asked, *words)) capabilities(asked, {*words}, true);
+            return;
         }
         case Route::MapTile: {
             const auto& [set, z, x, y] = routed.tile;
@@ -184,11 +199,24 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
     }
 }
 
+std::optional<View> MapAnswers::look(const Shared& asked, const WordValues& words) const {
+    auto viewed = viewOfWords(asked->clouds, asked->id, words, options_.maxPixels);
+    if (!viewed) {
+        asked->refuse(viewed.error());
+        return std::nullopt;
+    }
+    asked->cloud = std::move(viewed->cloud);
+    asked->live = asked->clouds.isLive(asked->id, viewed->planned->view.with);
+    return viewed->planned->view;
+}
+
 void MapAnswers::wms(const Shared& asked, std::string_view query) const {
-    auto parsed = parseWmsRequest(query, asked->id);
+    const auto parsed = parseWmsRequest(query, asked->id);
     if (!parsed) return asked->refuse(parsed.error());
-    if (auto* wanted = std::get_if<MapRequest>(&*parsed)) return map(asked, std::move(*wanted));
-    if (const auto* wanted = std::get_if<FeatureRequest>(&*parsed)) return feature(asked, *wanted);
+    const auto view = look(asked, std::visit([](const auto& wanted) -> const WordValues& { return wordsOf(wanted); }, *parsed));
+    if (!view) return;
+    if (const auto* wanted = std::get_if<MapRequest>(&*parsed)) return map(asked, *wanted, *view);
+    if (const auto* wanted = std::get_if<FeatureRequest>(&*parsed)) return feature(asked, *wanted, *view);
     capabilities(asked, std::get<CapabilitiesRequest>(*parsed), false);
 }
 
@@ -196,10 +224,13 @@ void MapAnswers::wmts(const Shared& asked, std::string_view query) const {
     const auto parsed = parseWmtsRequest(query, asked->id);
     if (!parsed) return asked->refuse(parsed.error());
     if (const auto* wanted = std::get_if<TileRequest>(&*parsed)) return tile(asked, *wanted);
-    capabilities(asked, std::get<CapabilitiesRequest>(*parsed), true);
+    const auto& wanted = std::get<CapabilitiesRequest>(*parsed);
+    if (look(asked, wanted.words)) capabilities(asked, wanted, true);
 }
 
 void MapAnswers::tile(const Shared& asked, const TileRequest& tile) const {
+    const auto view = look(asked, tile.words);
+    if (!view) return;
     const bool isFile = tile.set == fileCrs;
     const TileSet set = isFile ? fileTiles(*asked->cloud) : mercatorTiles();
     const MapExtent extent = set.extentOf(tile.z, tile.x, tile.y);
@@ -211,7 +242,7 @@ void MapAnswers::tile(const Shared& asked, const TileRequest& tile) const {
     wanted.format = tile.format;
     wanted.transparent = true;
     wanted.words = tile.words;
-    map(asked, std::move(wanted));
+    map(asked, wanted, *view);
 }
 
 void MapAnswers::post(const Shared& asked, std::function<void()> work) const {
@@ -222,7 +253,7 @@ void MapAnswers::post(const Shared& asked, std::function<void()> work) const {
     if (!posted) asked->refuse(problemOf(503, "Too many maps are waiting; ask again in a moment."));
 }
 
-void MapAnswers::map(const Shared& asked, MapRequest map) const {
+void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& looked) const {
     const Cloud& cloud = *asked->cloud;
     if (std::uint64_t(map.width) * std::uint64_t(map.height) > options_.maxPixels) {
         return asked->refuse(
@@ -231,14 +262,14 @@ void MapAnswers::map(const Shared& asked, MapRequest map) const {
                          map.height, options_.maxPixels),
              "WIDTH"});
     }
-    auto view = viewOfMap(cloud, map);
+    auto view = asMap(cloud, looked, map);
     if (!view) return asked->refuse(view.error());
     const auto planned = plan(cloud, *view);
     if (!planned) return asked->refuse(planned.error());
     const DeviceStatus device = scheduler_.device();
     if (device.state != DeviceStatus::State::Ready)
         return asked->refuse(problemOf(503, "The rendering device is not available."));
-    Ordered ordered{std::move(map), std::move(*view), (*planned)->margin, device.info, {}};
+    Ordered ordered{map, std::move(*view), (*planned)->margin, device.info, {}};
     ordered.tag = contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
                              printed(ordered.map));
     HttpResponse head = ordered.head(*asked);
@@ -333,10 +364,10 @@ void MapAnswers::answerEmpty(const Shared& asked, const Ordered& ordered) const 
     asked->respond(std::move(response));
 }
 
-void MapAnswers::feature(const Shared& asked, const FeatureRequest& request) const {
-    auto view = viewOfMap(*asked->cloud, request.map);
+void MapAnswers::feature(const Shared& asked, const FeatureRequest& request, const View& looked) const {
+    const auto view = asMap(*asked->cloud, looked, request.map);
     if (!view) return asked->refuse(view.error());
-    post(asked, [this, asked, request, view = std::move(*view)] { pick(asked, request, view); });
+    post(asked, [this, asked, request, view = *view] { pick(asked, request, view); });
 }
 
 void MapAnswers::pick(const Shared& asked, const FeatureRequest& request, View view) const {

@@ -10,6 +10,7 @@
 #include <stop_token>
 #include <string>
 
+#include "protocol/view/query.hpp"
 #include "server/base/metrics.hpp"
 #include "server/base/transient_memory.hpp"
 #include "server/catalog/visible_clouds.hpp"
@@ -21,6 +22,11 @@
 #include "server/price/admission.hpp"
 
 namespace scancast {
+
+struct CapabilitiesRequest;
+struct FeatureRequest;
+struct MapRequest;
+struct TileRequest;
 
 struct MapOptions {
     std::uint64_t maxPixels = 0;  ///< of a map, and of the picture that is drawn for it
@@ -46,20 +52,22 @@ class MapAnswers {
     struct Asked;
     struct Ordered;
     class References;
-    using Shared = std::shared_ptr<const Asked>;
+    using Shared = std::shared_ptr<Asked>;  // changed by look() alone
 
     void wms(const Shared& asked, std::string_view query) const;
     void wmts(const Shared& asked, std::string_view query) const;
-    void map(const Shared& asked, struct MapRequest map) const;
-    void tile(const Shared& asked, const struct TileRequest& tile) const;
-    void feature(const Shared& asked, const struct FeatureRequest& request) const;
-    void capabilities(const Shared& asked, const struct CapabilitiesRequest& request, bool isWmts) const;
+    /// What words of a view mean here; nullopt: it has been answered why not.
+    std::optional<View> look(const Shared& asked, const WordValues& words) const;
+    void map(const Shared& asked, const MapRequest& map, const View& looked) const;
+    void tile(const Shared& asked, const TileRequest& tile) const;
+    void feature(const Shared& asked, const FeatureRequest& request, const View& looked) const;
+    void capabilities(const Shared& asked, const CapabilitiesRequest& request, bool isWmts) const;
     void lonLat(const Shared& asked, const std::string& body) const;
 
     void post(const Shared& asked, std::function<void()> work) const;
     void draw(const Shared& asked, const Ordered& ordered) const;
     void answerEmpty(const Shared& asked, const Ordered& ordered) const;
-    void pick(const Shared& asked, const struct FeatureRequest& request, View view) const;
+    void pick(const Shared& asked, const FeatureRequest& request, View view) const;
 
     const MapOptions options_;
     const Admission& admission_;

@@ -25,6 +25,7 @@ inline View richView() {
     view.style.colormap = "grey";
     view.style.range = {-1.5, 20};
     view.style.classes = {{2, 6, 255}};
+    view.style.filter = {{"gps_time", 0.1, 3600}, {"odd; 100 %: a", {}, -1e-5}, {"intensity", 1.0 / 3.0, {}}};
     view.style.clip = ClipBox{{0, 1, 2}, {3, 4, 5}};
     view.style.clips = {TurnedBox{{444120.5, 5411990, 0.1}, {1.0 / 3.0, 2, 3}, {12.5, -3, 180}, true},
                         HalfSpace{{444120, 5411990, 2}, {0.5, 0, -0.1}}, TurnedBox{{1, 2, 3}, {4, 5, 6}}};

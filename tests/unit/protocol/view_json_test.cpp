@@ -47,7 +47,7 @@ TEST(ViewJson, CanonicalTextIsFixed) {
         printJson(toJson(View{})),
         R"({"background":["#3a424e","#16191e"],"behindMirrors":false,"budget":null,"camera":{"eye":[0.0,-1.0,0.0],"far":null,)"
         R"("fov":60.0,"near":null,"target":[0.0,0.0,0.0],"type":"perspective","up":[0.0,0.0,1.0]},)"
-        R"("classes":null,"clip":null,"clips":null,"color":"auto","colormap":"viridis","detail":null,"exposure":null,"height":720,)"
+        R"("classes":null,"clip":null,"clips":null,"color":"auto","colormap":"viridis","detail":null,"exposure":null,"filter":null,"height":720,)"
         R"("light":{"ambient":0.5,"headlight":0.5,"occlusion":null,"shadow":0.0,"shine":0.08,"sun":null,"sunlight":0.5},)"
         R"("method":"auto","mirrors":true,"outliers":"hide","param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
         R"("subsampling":"4:2:0","width":1280,"with":null})")
@@ -74,7 +74,7 @@ TEST(ViewJson, SubsetsKeepTheRest) {
 
 TEST(ViewJson, NullRestoresTheAutomaticValue) {
     const auto view = applied(test::richView(), R"({"camera": {"near": null, "far": null}, "range": null,
-        "classes": null, "clip": null, "clips": null, "exposure": null, "shading": null, "light": {"sun": null}, "background": null, "detail": null, "budget": null,
+        "classes": null, "clip": null, "clips": null, "filter": null, "exposure": null, "shading": null, "light": {"sun": null}, "background": null, "detail": null, "budget": null,
         "samples": null, "with": null})");
     EXPECT_EQ(view.camera.near, std::nullopt);
     EXPECT_EQ(view.camera.far, std::nullopt);
@@ -82,6 +82,7 @@ TEST(ViewJson, NullRestoresTheAutomaticValue) {
     EXPECT_EQ(view.style.classes, std::nullopt);
     EXPECT_EQ(view.style.clip, std::nullopt);
     EXPECT_TRUE(view.style.clips.empty());
+    EXPECT_TRUE(view.style.filter.empty());
     EXPECT_EQ(view.style.exposure, std::nullopt);
     EXPECT_EQ(view.style.shading, std::nullopt);
     EXPECT_EQ(view.style.light.sun, std::nullopt);
@@ -163,6 +164,17 @@ TEST(ViewJson, WrongTypesAndValuesNameTheirPath) {
         {R"({"classes": [1.5]})", "classes"},
         {R"({"clip": {"min": [0,0,0]}})", "clip.max"},
         {R"({"clip": [0,0,0,1,1,1]})", "clip"},
+        {R"({"filter": "gps_time:1..2"})", "filter"},
+        {R"({"filter": [1]})", "filter[0]"},
+        {R"({"filter": [{"low": 1}]})", "filter[0].column"},
+        {R"({"filter": [{"column": "a", "low": "1"}]})", "filter[0].low"},
+        {R"({"filter": [{"column": "a", "low": 1, "most": 2}]})", "filter[0].most"},
+        {R"({"filter": [{"column": "a"}]})", "filter"},
+        {R"({"filter": [{"column": "", "low": 1}]})", "filter"},
+        {R"({"filter": [{"column": "a", "low": 2, "high": 1}]})", "filter"},
+        {R"({"filter": [{"column":"a","low":1},{"column":"a","low":1},{"column":"a","low":1},{"column":"a","low":1},{"column":"a","low":1}]})",
+         "filter"},
+        {R"({"color": "column:"})", "color"},
         {R"({"with": {}})", "with"},
         {R"({"with": "b"})", "with"},
         {R"({"with": [1]})", "with[0]"},

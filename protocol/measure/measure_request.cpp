@@ -22,15 +22,16 @@ std::string listed(std::span<const std::string_view> names) {
     return text;
 }
 
-/// Which of the names; what is none of them is an error.
+/// Which of the names; what is none of them is an error. `before`: what else there may be.
 template <std::size_t N>
 std::optional<std::size_t> oneOf(FieldReader& fields, const char* key,
-                                 const std::array<std::string_view, N>& names) {
+                                 const std::array<std::string_view, N>& names,
+                                 const std::string& before = {}) {
     std::string word;
     if (!fields.text(key, word)) return std::nullopt;
     const auto at = std::ranges::find(names, word);
     if (at != names.end()) return std::size_t(at - names.begin());
-    fields.error(key, "must be " + listed(names));
+    fields.error(key, "must be " + before + listed(names));
     return std::nullopt;
 }
 
@@ -52,13 +53,16 @@ void readPoints(FieldReader& fields, MeasureRequest& request) {
     if (!list->is_array() || list->empty() || list->size() > mostMeasuredPoints)
         return fields.error("points",
                             "must be a list of 1 to " + std::to_string(mostMeasuredPoints) + " points");
-    const bool mayBeFlat = request.kind == MeasureKind::Volume && request.base == VolumeBase::Height;
+    const bool isVolume = request.kind == MeasureKind::Volume;
+    const bool mayBeFlat = isVolume && request.base == VolumeBase::Height;
     for (std::size_t i = 0; i < list->size(); ++i) {
         glm::dvec3 point(0);
         if (!readPoint((*list)[i], mayBeFlat, point))
             return fields.error("points[" + std::to_string(i) + "]",
                                 std::string("must be three numbers, a place in file coordinates") +
-                                    (mayBeFlat ? ", or two" : ""));
+                                    (mayBeFlat  ? ", or two"
+                                     : isVolume ? "; two are enough over a base that is a height"
+                                                : ""));
         request.points.push_back(point);
     }
 }
@@ -73,7 +77,8 @@ void readBase(FieldReader& fields, MeasureRequest& request) {
         return;
     }
     if (!base->is_string()) return fields.error("base", "must be a height, or " + listed(volumeBaseNames));
-    if (const auto which = oneOf(fields, "base", volumeBaseNames)) request.base = VolumeBase(*which);
+    if (const auto which = oneOf(fields, "base", volumeBaseNames, "a height, or "))
+        request.base = VolumeBase(*which);
 }
 
 void readLength(FieldReader& fields, const char* key, std::optional<double>& out) {

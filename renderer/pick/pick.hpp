@@ -24,6 +24,8 @@ struct Picked {
     /// The scan's own point, with all that is kept of it. Where its coordinates are rounded (not `exact`), without digits that say
     /// nothing.
     KeptPoint point;
+    /// Where the surface that was drawn lies under the pixel's middle, file coordinates: no point of the scan, but the place that was meant.
+    glm::dvec3 surface{0};
     Sample sample{};      ///< its attributes
     double radius = 0;    ///< of its surfel, cloud units; 0 = it has none
     double depth = 0;     ///< of the surface under the pixel, cloud units

@@ -50,7 +50,8 @@ ProfileScale profileScale(const ProfilePicture& picture, double length, const st
 Expected<std::unique_ptr<ProfileDrawing>> ProfileDrawing::create(const Cloud& cloud,
                                                                  std::shared_ptr<const CloudFile> file,
                                                                  const ProfileRequest& request,
-                                                                 std::uint64_t mostPixels) {
+                                                                 std::uint64_t mostPixels,
+                                                                 std::stop_token stop) {
     const std::uint64_t pixels =
         std::uint64_t(request.picture.width) * std::uint64_t(request.picture.height.value_or(1));
     if (pixels > mostPixels)
@@ -67,6 +68,7 @@ Expected<std::unique_ptr<ProfileDrawing>> ProfileDrawing::create(const Cloud& cl
     made->what_.corridor = made->corridor_;
     if (!request.region.isEverything()) made->what_.region = std::make_shared<RegionTest>(request.region);
     made->what_.columns = false;
+    made->what_.stop = std::move(stop);
     made->what_.estimatedNormals = made->colors_.needsNormals();
     made->picture_ = request.picture;
     made->background_ = request.picture.style.background;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "protocol/points/points_request.hpp"
@@ -38,9 +39,10 @@ class ProfileDrawing {
     static Expected<std::unique_ptr<ProfileDrawing>> create(const Cloud& cloud,
                                                             std::shared_ptr<const CloudFile> file,
                                                             const ProfileRequest& request,
-                                                            std::uint64_t mostPixels);
+                                                            std::uint64_t mostPixels,
+                                                            std::stop_token stop = {});
 
-    /// A batch of points. Whether there is more. Errors: the file's; Empty where no point lies in the corridor.
+    /// A batch of points. Whether there is more. Errors: the file's; Empty where no point lies in the corridor; Cancelled.
     Expected<bool> step();
     /// Once there is no more.
     const ProfileScale& scale() const { return scale_; }

@@ -3,7 +3,7 @@
 
     tests/bench/methods.py [--scan SCAN.laz] [--bin build/release/bin] [--bench build/bench/bench]
                            [--only table,papers,speed] [--town TOWN.scan] [--scenes sign,cube]
-    tests/bench/methods.py --only clips --clouds a.scan,b.scan
+    tests/bench/methods.py --only clips --clouds a.scan,b.scan [--methods sphere] [--backend egl] [--turns 5] [--size 1280x720]
     tests/bench/methods.py --only ratio --before OTHER/BUILD/bin/scancast --clouds a.scan,b.scan
 
 Prints Markdown, ready for docs/performance.md:
@@ -234,20 +234,22 @@ def frame_time(scancast, cloud, flags, few=3, many=43):
     return (taken[1] - taken[0]) / (many - few), encode
 
 
-def clips(scancast, clouds, turns=5):
+def clips(scancast, clouds, methods, backend, turns, size):
+    width, height = size.split("x")
+    few, many = (3, 43) if backend == "cpu" else (8, 32)  # shaders are compiled in the first ones
     for cloud in clouds:
         look = json.loads(output_of([scancast, "look", cloud]))
         shapes = shapes_around(look["bounds"]["min"], look["bounds"]["max"])
-        flags = ["--width", "1280", "--height", "720", "--samples", "1", "--shading", "unlit", "--light", "occlusion=0",
+        flags = ["--backend", backend, "--width", width, "--height", height, "--samples", "1", "--shading", "unlit", "--light", "occlusion=0",
                  *camera_flags(look["views"][0]["camera"])]
-        print(f"## Cut by shapes: {os.path.basename(cloud)}\n\nProcessor time of a frame, selecting included and encoding not; 1280 x 720, one sample a pixel, "
-              f"one thread, least of {turns} turns.\n\n| method | not cut | {' | '.join(shapes)} |\n|---|---|{'---|' * len(shapes)}", flush=True)
-        for method in METHODS:
+        print(f"## Cut by shapes: {os.path.basename(cloud)}, {backend}\n\nProcessor time of a frame, selecting included and encoding not; {width} x {height}, "
+              f"one sample a pixel, one thread, least of {turns} turns.\n\n| method | not cut | {' | '.join(shapes)} |\n|---|---|{'---|' * len(shapes)}", flush=True)
+        for method in methods:
             taken, encode = {name: [] for name in ["", *shapes]}, []
             for _ in range(turns):
                 for name, times in taken.items():
                     cut = ["--clips=" + shapes[name]] if name else []
-                    ms, encoding = frame_time(scancast, cloud, ["--method", method, *flags, *cut])
+                    ms, encoding = frame_time(scancast, cloud, ["--method", method, *flags, *cut], few, many)
                     times.append(ms)
                     encode.append(encoding)
             plain, *cut = [min(times) - min(encode) for times in taken.values()]
@@ -289,6 +291,10 @@ def main():
     parser.add_argument("--plot", default=os.path.join(root, "docs/images/point_sizes.svg"), help="where the plot goes")
     parser.add_argument("--before", help="another build's program, for ratio")
     parser.add_argument("--clouds", help="cloud files for ratio and clips, comma between them")
+    parser.add_argument("--backend", default="cpu", help="of clips: cpu, egl or osmesa")
+    parser.add_argument("--methods", default=",".join(METHODS), help="of clips: which")
+    parser.add_argument("--turns", type=int, default=5, help="of clips: the least of so many is told")
+    parser.add_argument("--size", default="1280x720", help="of clips: width and height of the pictures")
     parser.add_argument("--folder", help="where to work; by default a temporary folder")
     arguments = parser.parse_args()
     scancast, parts = os.path.join(arguments.bin, "scancast"), arguments.only.split(",")
@@ -298,7 +304,7 @@ def main():
         if "ratio" in parts:
             ratio(scancast, arguments.before, arguments.clouds.split(","))
         if "clips" in parts:
-            clips(scancast, arguments.clouds.split(","))
+            clips(scancast, arguments.clouds.split(","), arguments.methods.split(","), arguments.backend, arguments.turns, arguments.size)
         if "papers" in parts or "speed" in parts:
             clouds = prepare(scancast, arguments, folder)
             if "papers" in parts:

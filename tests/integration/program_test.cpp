@@ -112,6 +112,7 @@ TEST_F(ProgramTest, FramesOfALiveSourceAreServed) {
     Process camera(folder / "camera", frames("5"));
     const auto server = serve({"--backend", "cpu", "--live", "depth=" + fifo});
     EXPECT_EQ(camera.wait(), 0) << camera.err();
+    EXPECT_THAT(camera.err(), HasSubstr("5 frames of 5000 points"));
     const auto live = [&] {
         return nlohmann::json::parse(request(port, "/api/v1/clouds/depth").body)["live"];
     };

@@ -13,6 +13,7 @@ from .words import AnyView, view_json
 from ._decode import decode, decode_list
 from ._exports import PointsOfCloud
 from ._http import Answer, Transport
+from ._rasters import RastersOfCloud
 from .facts import Attribute, Bounds, CloudFacts, NamedView, Photo, PickedPoint, Station
 from .picture import MEDIA_TYPES, DepthPicture, Path, Picture
 
@@ -43,7 +44,7 @@ class Page:
                 f'allow="fullscreen"></iframe>')
 
 
-class Cloud(PointsOfCloud):
+class Cloud(PointsOfCloud, RastersOfCloud):
     """A cloud. Of its facts, those that are used most stand here; ``facts`` has all, as they were when the cloud was asked for.
 
     Keyword arguments of ``snapshot``, ``depth``, ``pick`` and so on are the words of a view (PROTOCOL.md, "One vocabulary for a view") in

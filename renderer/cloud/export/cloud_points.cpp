@@ -13,6 +13,10 @@ namespace scancast {
 
 namespace {
 
+Expected<DecodedLeaf> abandoned() {
+    return fail(ErrorCode::Cancelled, "Nobody waits for these points any more.");
+}
+
 class CloudPoints final : public PointSource {
   public:
     CloudPoints(std::shared_ptr<const CloudFile> file, const CloudPointsOptions& options,
@@ -49,6 +53,7 @@ class CloudPoints final : public PointSource {
         if (given_ == held_.size()) {
             held_.clear();
             given_ = 0;
+            if (options_.stop.stop_requested()) return passOn(abandoned());
             if (next_ == leaves_.size()) {
                 batch.clear();
                 return false;
@@ -108,7 +113,8 @@ class CloudPoints final : public PointSource {
         const std::size_t count = next_ - begin;
         std::vector<Expected<DecodedLeaf>> leaves(count);
         tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
-            leaves[i] = decoder_.decode(leaves_[begin + i], !kept_.empty());
+            leaves[i] = options_.stop.stop_requested() ? abandoned()
+                                                       : decoder_.decode(leaves_[begin + i], !kept_.empty());
         });
         std::vector<std::size_t> first{0};
         for (const auto& leaf : leaves) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "renderer/cloud/export/corridor.hpp"
@@ -24,6 +25,8 @@ struct CloudPointsOptions {
     std::shared_ptr<const Corridor> corridor{};
     bool estimatedNormals = false;  ///< those too that ingest estimated; else only the scan's own
     bool columns = true;            ///< the kept ones; without, blocks of them are not read
+    /// Asked before every leaf, whose blocks may have to come over a network; then read() is Cancelled.
+    std::stop_token stop{};
 };
 inline constexpr std::string_view stationColumn = "station", offsetColumn = "offset";
 
@@ -32,7 +35,7 @@ struct WantedLeaf {
     std::uint32_t node = 0;
     bool whole = false;  ///< all of its points are wanted: their number is the node's
 };
-/// Depth first, as their points come.
+/// Depth first, as their points come. Not all of them where it is stopped meanwhile.
 std::vector<WantedLeaf> wantedLeaves(const CloudFile& file, const CloudPointsOptions& options);
 /// Where a leaf's points can be, file coordinates: positions on the scan's grid may lie a step beside what samples say.
 std::array<glm::dvec3, 2> reachOf(const CloudFile& file, const Node& leaf);

@@ -190,8 +190,9 @@ Expected<ExportFormat> exportFormatOf(const std::string& name) {
                 "format");
 }
 
-CloudPointsOptions cloudPointsOptions(const ExportOptions& options) {
-    CloudPointsOptions what{.corridor = options.corridor, .estimatedNormals = options.estimatedNormals};
+CloudPointsOptions cloudPointsOptions(const ExportOptions& options, std::stop_token stop) {
+    CloudPointsOptions what{
+        .corridor = options.corridor, .estimatedNormals = options.estimatedNormals, .stop = std::move(stop)};
     if (!options.region.isEverything()) what.region = std::make_shared<RegionTest>(options.region);
     return what;
 }
@@ -201,7 +202,7 @@ Expected<ExportReport> exportCloud(std::shared_ptr<const CloudFile> all, const E
     const auto pictured = picturedLeaves(std::move(all), options.region.filter);
     if (!pictured) return passOn(pictured);
     const auto& file = *pictured;
-    const CloudPointsOptions what = cloudPointsOptions(options);
+    const CloudPointsOptions what = cloudPointsOptions(options, stop);
     const OpenPoints open = [&]() -> Expected<std::unique_ptr<PointSource>> {
         return cloudPoints(file, what);
     };

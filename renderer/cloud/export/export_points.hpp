@@ -40,7 +40,7 @@ struct ExportReport {
 };
 
 /// What is read of a cloud file for these options.
-CloudPointsOptions cloudPointsOptions(const ExportOptions& options);
+CloudPointsOptions cloudPointsOptions(const ExportOptions& options, std::stop_token stop = {});
 
 /// Errors: CloudFile's, where a block is damaged; Empty where no point is in the region; InvalidArgument; Io;
 /// ResourceLimit (a full disk); Cancelled. Nothing is left by any of them, but for what devices and pipes have got.

@@ -40,10 +40,10 @@ PolygonTest::PolygonTest(const PlanPolygon& polygon) {
     const double height = high_.y - low_.y;
     bandsPerUnit_ = height > 0 ? double(bands_.size()) / height : 0;
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
-        if (!(edges_[e].low.y < edges_[e].high.y)) continue;
         const std::size_t last = bandOf(edges_[e].high.y);
         for (std::size_t band = bandOf(edges_[e].low.y); band <= last; ++band) bands_[band].push_back(e);
     }
+    for (const auto& band : bands_) entriesBefore_.push_back(entriesBefore_.back() + band.size());
 }
 
 // The same monotone function of y for edges and for points: what an edge reaches, its bands do.
@@ -64,12 +64,20 @@ bool PolygonTest::contains(const glm::dvec2& p) const {
     return inside;
 }
 
+// Small ones are touched by few edges of few bands; large ones by some that stand in many.
+bool PolygonTest::anyTouches(const glm::dvec2& low, const glm::dvec2& high) const {
+    const auto touch = [&](const Edge& edge) { return touches(edge.low, edge.high, low, high); };
+    const std::size_t first = bandOf(low.y), last = bandOf(high.y);
+    if (entriesBefore_[last + 1] - entriesBefore_[first] >= edges_.size())
+        return std::ranges::any_of(edges_, touch);
+    for (std::size_t band = first; band <= last; ++band)
+        if (std::ranges::any_of(bands_[band], [&](std::uint32_t e) { return touch(edges_[e]); })) return true;
+    return false;
+}
+
 Within PolygonTest::of(const glm::dvec2& low, const glm::dvec2& high) const {
     if (low.x > high_.x || high.x < low_.x || low.y > high_.y || high.y < low_.y) return Within::Outside;
-    const bool across = std::any_of(edges_.begin(), edges_.end(), [&](const Edge& edge) {
-        return touches(edge.low, edge.high, low, high);
-    });
-    if (across) return Within::Across;
+    if (anyTouches(low, high)) return Within::Across;
     return contains((low + high) * 0.5) ? Within::Inside : Within::Outside;
 }
 

@@ -30,9 +30,12 @@ class PolygonTest {
     };
 
     std::size_t bandOf(double y) const;
+    /// Whether any edge has a place in common with a rectangle.
+    bool anyTouches(const glm::dvec2& low, const glm::dvec2& high) const;
 
     std::vector<Edge> edges_;
-    std::vector<std::vector<std::uint32_t>> bands_;  ///< edges that are not horizontal
+    std::vector<std::vector<std::uint32_t>> bands_;  ///< edges, some in several
+    std::vector<std::size_t> entriesBefore_{0};      ///< in the bands before each one, and in all
     glm::dvec2 low_{0}, high_{0};
     double bandsPerUnit_ = 0;
 };

@@ -55,6 +55,8 @@ SurveyAhead::SurveyAhead(std::shared_ptr<const CloudFile> file, const CloudPoint
 }
 
 Expected<bool> SurveyAhead::step() {
+    if (options_.stop.stop_requested())
+        return fail(ErrorCode::Cancelled, "Nobody waits for these points any more.");
     if (partly_) return readPartly();
     if (counted_ < whole_.size()) return countReturns();
     return findBounds();
@@ -73,7 +75,7 @@ Expected<bool> SurveyAhead::readPartly() {
 
 Expected<bool> SurveyAhead::countReturns() {
     const std::size_t end = std::min(whole_.size(), counted_ + leavesAtOnce);
-    for (; counted_ < end; ++counted_) {
+    for (; counted_ < end && !options_.stop.stop_requested(); ++counted_) {
         const auto values = file_->plane(whole_[counted_].node, *returns_);
         if (!values) return passOn(values);
         for (const std::byte value : *values) {

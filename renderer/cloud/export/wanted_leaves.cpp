@@ -36,7 +36,7 @@ std::vector<WantedLeaf> wantedLeaves(const CloudFile& file, const CloudPointsOpt
     std::vector<WantedLeaf> leaves;
     std::vector<Open> open;
     if (!file.nodes().empty()) open.push_back({0, !options.region && !options.corridor});
-    while (!open.empty()) {
+    while (!open.empty() && !options.stop.stop_requested()) {
         auto [index, inside] = open.back();
         open.pop_back();
         const Node& node = file.nodes()[index].node;

@@ -48,7 +48,8 @@ std::vector<std::string> changedFlags(const json& before, const json& now) {
     return {names.begin(), names.end()};
 }
 
-std::string counted(std::size_t count, std::string_view what) {
+/// "2 clouds added".
+std::string cloudsThat(std::size_t count, std::string_view what) {
     return fmt::format("{} cloud{} {}", count, count == 1 ? "" : "s", what);
 }
 
@@ -140,9 +141,9 @@ void Reload::takeClouds(const ServeOptions& wanted, Reloaded& reloaded) {
     running_.files = wanted.files;
     running_.named = wanted.named;
     const Loader::Changes changes = clouds_.serve(wanted.files);
-    if (changes.added > 0) reloaded.changed.push_back(counted(changes.added, "added"));
-    if (changes.removed > 0) reloaded.changed.push_back(counted(changes.removed, "removed"));
-    if (changes.tried > 0) reloaded.changed.push_back(counted(changes.tried, "tried again"));
+    if (changes.added > 0) reloaded.changed.push_back(cloudsThat(changes.added, "added"));
+    if (changes.removed > 0) reloaded.changed.push_back(cloudsThat(changes.removed, "removed"));
+    if (changes.tried > 0) reloaded.changed.push_back(cloudsThat(changes.tried, "tried again"));
 }
 
 void Reload::run() {

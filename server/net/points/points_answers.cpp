@@ -193,7 +193,7 @@ void PointsAnswers::points(const HttpRequest& request, const Routed& routed, con
                           .format = wanted->format,
                           .region = wanted->region,
                           .estimatedNormals = wanted->estimatedNormals};
-    PointsJob job(asked->file, std::move(options));
+    PointsJob job(asked->file, std::move(options), asked->gone);
     HttpResponse head;
     head.set("Content-Type", std::string(mediaType(wanted->format)))
         .set("Content-Disposition",
@@ -230,7 +230,8 @@ void PointsAnswers::profile(const HttpRequest& request, const Routed& routed, co
     if (auto ok = asked->picture(wanted->region, wanted->format ? Style() : picture.style); !ok)
         return refuse(problemOf(ok.error()));
     if (!wanted->format) {
-        auto drawing = ProfileDrawing::create(*asked->cloud, asked->file, *wanted, options_.mostPixels);
+        auto drawing =
+            ProfileDrawing::create(*asked->cloud, asked->file, *wanted, options_.mostPixels, asked->gone);
         if (!drawing) return refuse(problemOf(drawing.error()));
         return draw(std::make_shared<Drawing>(Drawing{std::move(*asked), std::move(*drawing)}));
     }
@@ -245,7 +246,7 @@ void PointsAnswers::profile(const HttpRequest& request, const Routed& routed, co
                           .region = wanted->region,
                           .estimatedNormals = wanted->estimatedNormals,
                           .corridor = std::make_shared<const Corridor>(std::move(*corridor))};
-    PointsJob job(asked->file, std::move(options));
+    PointsJob job(asked->file, std::move(options), asked->gone);
     begin(std::make_shared<Export>(Export{std::move(*asked), std::move(job), secret(std::move(head))}));
 }
 

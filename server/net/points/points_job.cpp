@@ -19,8 +19,10 @@ bool hasHead(ExportFormat format) {
 
 }  // namespace
 
-PointsJob::PointsJob(std::shared_ptr<const CloudFile> file, ExportOptions options)
-    : file_(std::move(file)), options_(std::move(options)), what_(cloudPointsOptions(options_)) {}
+PointsJob::PointsJob(std::shared_ptr<const CloudFile> file, ExportOptions options, std::stop_token stop)
+    : file_(std::move(file)),
+      options_(std::move(options)),
+      what_(cloudPointsOptions(options_, std::move(stop))) {}
 
 Expected<void> PointsJob::step() {
     if (done_) return {};

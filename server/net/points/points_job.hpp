@@ -18,7 +18,8 @@ namespace scancast {
 
 class PointsJob {
   public:
-    PointsJob(std::shared_ptr<const CloudFile> file, ExportOptions options);
+    /// `stop`: nobody waits for it any more; a step that is under way is then Cancelled before its next leaf.
+    PointsJob(std::shared_ptr<const CloudFile> file, ExportOptions options, std::stop_token stop = {});
 
     /// Some of the work: a batch of points, or a few leaves that are counted. Errors: Empty where no point is wanted; the
     /// file's; the writer's. After the last step, and after an error, there is nothing more to do.

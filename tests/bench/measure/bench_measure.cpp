@@ -11,6 +11,7 @@
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/measure/volume.hpp"
 #include "simulator/scenes/town.hpp"
+#include "tests/oracle/measure/clicks.hpp"
 #include "tests/oracle/measure/town_truth.hpp"
 
 namespace {
@@ -34,6 +35,35 @@ void print(const char* what, std::vector<double> errors, const char* unit) {
                 at(errors, 0.95), unit, at(errors, 1), unit);
 }
 
+/// How many lengths are as true as asked for.
+void lengthsAgainst(const char* what, const std::vector<double>& errors, double spacing) {
+    const auto within = [&](double bound) {
+        const auto count =
+            std::ranges::count_if(errors, [&](double e) { return std::abs(e) <= 0.001 + bound; });
+        return 100.0 * double(count) / double(errors.size());
+    };
+    std::printf("| %s | %zu | %.1f %% | %.1f %% | %.1f %% |\n", what, errors.size(), within(spacing / 2),
+                within(spacing), within(1.5 * spacing));
+}
+
+/// The same as somebody has it who clicks into pictures.
+void lengthsOfClicks(const Cloud& cloud, const RayCaster& town) {
+    DeviceOptions options;
+    options.backend = "cpu";
+    const auto device = createDevice(options);
+    constexpr int pictures = 12, perPicture = 200;
+    const auto clicks = test::clicksInPictures(**device, cloud, town, pictures, perPicture);
+    std::vector<double> points, surfaces;
+    for (std::size_t i = 0; i + 1 < clicks.size(); i += 2) {
+        const auto &a = clicks[i], &b = clicks[i + 1];
+        const double truth = glm::distance(a.truth, b.truth);
+        points.push_back(glm::distance(a.point, b.point) - truth);
+        surfaces.push_back(glm::distance(a.surface, b.surface) - truth);
+    }
+    lengthsAgainst("clicks, their points", points, cloud.spacing);
+    lengthsAgainst("clicks, their surface", surfaces, cloud.spacing);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -46,7 +76,6 @@ int main(int argc, char** argv) {
     BuildOptions options;
     options.title = "town";
     const auto cloud = *buildCloud(*source, options);
-    const double bound = 0.001 + cloud->spacing / 2;
     std::printf("town of %llu points, spacing %.3f m\n\n", static_cast<unsigned long long>(points),
                 cloud->spacing);
     std::printf("| measure | how many | median error | 95 %% | worst |\n|---|---|---|---|---|\n");
@@ -71,18 +100,23 @@ int main(int argc, char** argv) {
         bodies.push_back(100 * (measured->above / measured->area / (house.volume() / house.area()) - 1));
         areas.push_back(100 * test::frontArea(*cloud, house) / (house.width * (house.eaves - 0.3)) - 100);
     }
-    for (const auto& [truth, measured] : test::lengthsBetweenPicks(*cloud, town, 400))
-        lengths.push_back(measured - truth);
+    std::vector<double> offs;
+    for (const test::Length& length : test::lengthsBetweenPicks(*cloud, town, 400)) {
+        lengths.push_back(length.measured - length.truth);
+        offs.push_back(length.off / cloud->spacing);
+    }
     print("volumes of houses, against rays from above", volumes, "%");
     print("the same, against the generator's body (without chimneys, dormers, eaves)", bodies, "%");
     print("areas of fronts between four picked corners", areas, "%");
     print("lengths between two picks", lengths, "m");
-    const auto within =
-        std::count_if(lengths.begin(), lengths.end(), [&](double e) { return std::abs(e) <= bound; });
-    std::printf("\nlengths within 1 mm + half the spacing (%.3f m): %.1f %%\n", bound,
-                100.0 * double(within) / double(lengths.size()));
-    std::printf("a volume took %.1f ms on average, %.1f ms at most, of %llu points\n",
+    std::printf(
+        "\nthe nearest point is so far from a place, in spacings: %.2f in the middle, %.2f of 95 %%, %.2f at "
+        "most\n",
+        at(offs, 0.5), at(offs, 0.95), at(offs, 1));
+    std::printf("a volume took %.1f ms on average, %.1f ms at most, of %llu points\n\n",
                 1e3 * seconds / double(houses.size()), 1e3 * worstTime,
                 static_cast<unsigned long long>(measuredPoints / houses.size()));
+    lengthsAgainst("places all over, the nearest point", lengths, cloud->spacing);
+    lengthsOfClicks(*cloud, town);
     return 0;
 }

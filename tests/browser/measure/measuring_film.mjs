@@ -63,6 +63,7 @@ const drag = async (to, steps = 16) => {
   await take(4);
 };
 const middleOf = async (selector) => {
+  await page.locator(selector).first().scrollIntoViewIfNeeded(); // the list of what has been measured pushes the kinds away
   const { x, y, width, height } = await page.locator(selector).first().boundingBox();
   return { x: x + width / 2, y: y + height / 2 };
 };

@@ -132,6 +132,8 @@ inline double frontArea(const Cloud& cloud, const TownHouse& house) {
 
 struct Length {
     double truth = 0, measured = 0;
+    double off =
+        0;  ///< how far the scan's nearest point is from the place meant at its end: no pick of a point can be nearer
 };
 /// Between places all over the town that are seen from above, slantwise, and what is picked there.
 inline std::vector<Length> lengthsBetweenPicks(const Cloud& cloud, const RayCaster& town, int count) {
@@ -147,7 +149,8 @@ inline std::vector<Length> lengthsBetweenPicks(const Cloud& cloud, const RayCast
             continue;
         const glm::dvec3 picked = pickedAt(cloud, hit->position, from);
         if (last)
-            lengths.push_back({glm::distance(*last, hit->position), glm::distance(*lastPicked, picked)});
+            lengths.push_back({glm::distance(*last, hit->position), glm::distance(*lastPicked, picked),
+                               glm::distance(hit->position, picked)});
         last = hit->position;
         lastPicked = picked;
     }

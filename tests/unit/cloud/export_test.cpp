@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <stop_token>
 #include <tuple>
 
 #include "renderer/cloud/build/ingest.hpp"
@@ -357,6 +358,27 @@ TEST_F(Export, NodesOutsideAreNotReadAndThoseInsideAreNotCounted) {
     const std::size_t before = counted->blocks();
     surveyByReading(counted, {.corridor = std::make_shared<const Corridor>(*corridor)});
     EXPECT_LT(counted->blocks() - before, wantedLeaves(*cloud, {}).size() / 3);
+}
+
+TEST_F(Export, WhoeverIsGoneIsReadNothingMore) {
+    const auto cloud = cloudOf(survey(test::sized(200'000, 40'000)), plainShape);
+    ASSERT_TRUE(cloud);
+    const auto counted = std::make_shared<const CountedFile>(cloud);
+    std::stop_source gone;
+    const glm::dvec3 low = cloud->facts().bounds[0];
+    const CloudPointsOptions half = cloudPointsOptions(
+        {.output = {}, .region = {.clip = ClipBox{low - 1.0, low + glm::dvec3(100, 300, 300)}}},
+        gone.get_token());
+    const auto source = cloudPoints(counted, half);
+    SurveyAhead survey(counted, half, ExportFormat::Las);
+    PointBatch batch;
+    ASSERT_TRUE(source->read(batch) && survey.step());
+    const std::size_t before = counted->blocks();
+    gone.request_stop();
+    for (Expected<bool> more = true; more; more = source->read(batch)) ASSERT_TRUE(*more) << "it is not over";
+    EXPECT_EQ(survey.step().error().code, ErrorCode::Cancelled);
+    EXPECT_EQ(cloudPoints(counted, half)->read(batch).error().code, ErrorCode::Cancelled);
+    EXPECT_EQ(counted->blocks(), before);
 }
 
 // What cannot be gone back in - a pipe, a connection - gets the same bytes as a file.

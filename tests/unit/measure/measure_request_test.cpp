@@ -62,5 +62,15 @@ TEST(MeasureRequest, ErrorsNameTheField) {
     EXPECT_EQ(parseMeasureRequest("{").error().code, ErrorCode::Malformed);
 }
 
+TEST(MeasureRequest, ErrorsOfVolumesTellOfAllThatABaseMayBe) {
+    const auto messageOf = [](const char* text) { return parseMeasureRequest(text).error().message; };
+    EXPECT_NE(messageOf(R"({"measure": "volume", "points": [[0,0,0],[1,0,0],[1,1,0]], "base": "1e"})")
+                  .find("a height, or lowest, mean or fit"),
+              std::string::npos);
+    EXPECT_NE(messageOf(R"({"measure": "volume", "points": [[0,0],[1,0],[1,1]], "base": "fit"})")
+                  .find("two are enough over a base that is a height"),
+              std::string::npos);
+}
+
 }  // namespace
 }  // namespace scancast::test

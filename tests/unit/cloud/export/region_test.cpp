@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "renderer/cloud/export/region.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
@@ -121,6 +123,46 @@ TEST(Region, WhatIsSaidOfABoxHoldsForItsPoints) {
     }
     EXPECT_GT(inside, 50U);
     EXPECT_GT(outside, 500U);
+}
+
+// A polygon of many edges is not asked edge by edge. Right because each promise is held against all of them.
+TEST(Region, ManyEdgesSayOfABoxWhatEachOfThemSays) {
+    constexpr int corners = 700;
+    PlanPolygon outline;
+    for (int i = 0; i < corners; ++i) {
+        const double angle = 2 * 3.14159265358979 * i / corners;
+        const double radius = 40 + (i % 7 == 0 ? 9 : 3) * test::uniform(std::uint64_t(i), 3);
+        outline.emplace_back(50 + radius * std::cos(angle), 50 + radius * std::sin(angle));
+    }
+    outline.insert(outline.begin() + corners / 2,
+                   {{0, 50.5}, {0, 49.5}});  // upright, and others almost level
+    PointsRegion wanted;
+    wanted.polygon = outline;
+    const RegionTest region(wanted);
+    std::array<int, 3> said{};
+    for (std::uint64_t i = 0; i < test::sized(3000, 300); ++i) {
+        const glm::dvec2 low(test::uniform(i, 7) * 110 - 5, test::uniform(i, 8) * 110 - 5);
+        const glm::dvec2 size =
+            glm::dvec2(test::uniform(i, 9), test::uniform(i, 10)) * (i % 9 == 0 ? 60.0 : 4.0);
+        const Within within = region.of({low, 0}, {low + size, 1});
+        ++said[std::size_t(within)];
+        const glm::dvec2 middle = low + 0.5 * size;
+        double nearest = 1e9;
+        bool cornerInside = false;
+        for (std::size_t e = 0; e < outline.size(); ++e) {
+            const glm::dvec2 a = outline[e], b = outline[(e + 1) % outline.size()];
+            const double t = std::clamp(glm::dot(middle - a, b - a) / glm::dot(b - a, b - a), 0.0, 1.0);
+            nearest = std::min(nearest, glm::distance(middle, a + t * (b - a)));
+            cornerInside |= a.x > low.x && a.x < low.x + size.x && a.y > low.y && a.y < low.y + size.y;
+        }
+        if (cornerInside) {
+            ASSERT_EQ(within, Within::Across) << i;
+        }
+        if (nearest > glm::length(size) / 2) {
+            ASSERT_EQ(within, region.contains({middle, 0.5}) ? Within::Inside : Within::Outside) << i;
+        }
+    }
+    for (const int times : said) EXPECT_GT(times, 20);
 }
 
 TEST(Region, EdgesBelongToItAsIsSaid) {

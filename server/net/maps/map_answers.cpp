@@ -20,8 +20,12 @@ namespace scancast {
 namespace {
 
 constexpr std::size_t mostWaitingMaps = 256;
-/// ms of a reference core to encode a pixel of nothing.
-constexpr double forEmptyPixel = 15e-6;
+/// As many as a GIS program, or a page with several browsers behind one address, asks for at a time.
+constexpr std::size_t mostOfClient = 96;
+/// ms of a reference core: to find out what a map needs, and to make it of its picture, or of nothing, for each pixel.
+constexpr double forMap = 1, forMapPixel = 20e-6;
+/// Of a net and what it is held against, of the most that there may be.
+constexpr std::uint64_t bytesOfNet = std::uint64_t(8) << 20;
 
 bool saysWord(const WordValues& words, std::string_view name) {
     return std::ranges::any_of(words, [name](const auto& word) { return word.first == name; });
@@ -106,6 +110,8 @@ MapAnswers::MapAnswers(MapOptions options, const Admission& admission, const Sha
       scheduler_(scheduler),
       metrics_(metrics),
       memory_(std::move(memory)),
+      projections_(projectionsVersion()),
+      places_({.all = mostWaitingMaps, .client = mostOfClient}),
       references_(std::make_unique<References>()),
       worker_(mostWaitingMaps) {}
 
@@ -123,6 +129,9 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
     auto cloud = clouds.cloud(routed.id);
     if (!cloud) return asked->refuse(std::move(cloud.error()));
     asked->cloud = std::move(*cloud);
+    auto place = places_.take(request.client);
+    if (!place) return asked->refuse(std::move(place.error()));
+    asked->place = std::move(*place);
     switch (routed.route) {
         case Route::Wms:
             return wms(asked, routed.query);
@@ -230,11 +239,16 @@ void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& loo
         head.bodyUnknown = true;
         return asked->respond(std::move(head));
     }
+    const double pixels = double(ordered.map.width) * ordered.map.height;
+    auto work = admission_.take(asked->request.client, forMap + pixels * forMapPixel);
+    if (!work) return asked->refuse(work.error());
+    asked->work = std::move(*work);
     post(asked, [this, asked, ordered = std::move(ordered)] { draw(asked, ordered); });
 }
 
 void MapAnswers::draw(const Shared& asked, const Ordered& ordered) const {
     const Cloud& cloud = *asked->cloud;
+    TransientMemory::Hold net = memory_.hold(MemoryUse::Answers, bytesOfNet);
     static const Expected<GeoReference> notNeeded = fail(ErrorCode::Internal, "no reference is needed");
     const auto& geo = needsReference(ordered.map) ? references_->of(cloud) : notNeeded;
     const auto placement = placementOf(ordered.map, geo);
@@ -300,8 +314,6 @@ void MapAnswers::draw(const Shared& asked, const Ordered& ordered) const {
 void MapAnswers::answerEmpty(const Shared& asked, const Ordered& ordered) const {
     const MapRequest& map = ordered.map;
     const double pixels = double(map.width) * map.height;
-    const auto work = admission_.take(asked->request.client, pixels * forEmptyPixel);
-    if (!work) return asked->refuse(work.error());
     auto kept = admission_.keep(asked->request.client, std::uint64_t(pixels));
     if (!kept) return asked->refuse(kept.error());
     const TransientMemory::Hold hold = memory_.hold(MemoryUse::Frames, std::uint64_t(pixels) * 8);

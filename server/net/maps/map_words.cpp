@@ -125,6 +125,12 @@ Expected<MapWords> mapWords(std::string_view query) {
         words.standard.emplace_back(std::move(upper), std::move(value));
     }
     if (auto ok = checkViewWords(words.view); !ok) return passOn(ok);
+    // What would be another map than the one that is meant is not passed over.
+    for (const char* name : {"SLD", "SLD_BODY", "TIME", "ELEVATION"}) {
+        const std::string value = words.text(name);
+        if (!value.empty() && value != "default")
+            return wrongWord(name, "is not supported by this server; styles are the words of a view");
+    }
     return words;
 }
 

@@ -229,7 +229,7 @@ void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& loo
     Ordered ordered{map, std::move(*view), (*planned)->margin, device.info, {}};
     ordered.tag =
         contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
-                   printedMap(ordered.map));
+                   printedMap(ordered.map) + (needsReference(ordered.map) ? projections_ : std::string()));
     HttpResponse head = ordered.head(*asked);
     if (matchesAny(asked->request.header("if-none-match"), ordered.tag)) {
         head.status = 304;

@@ -25,6 +25,8 @@ struct MapAnswers::Asked {
     std::string id, path;
     Respond respond;
     std::stop_token gone;
+    WorkPlaces::Place place;  ///< among those that wait
+    WorkBudget::Ticket work;  ///< of what is done before its picture has a price
 
     void refuse(Problem problem, std::string_view field = {}) const {
         problem.instance = path;

@@ -20,6 +20,16 @@ json toJson(const AttributeInfo& attribute) {
     return object;
 }
 
+json toJson(const ColumnInfo& column) {
+    json object{
+        {"name", column.name}, {"type", column.type}, {"range", column.range}, {"drawn", column.drawn}};
+    if (!column.description.empty()) object["description"] = column.description;
+    if (column.usual) object["usual"] = *column.usual;
+    if (const auto& h = column.histogram)
+        object["histogram"] = {{"low", h->low}, {"high", h->high}, {"counts", h->counts}};
+    return object;
+}
+
 json toJson(const MirrorInfo& mirror) {
     return {{"center", jsonArray(mirror.center)},
             {"normal", jsonArray(mirror.normal)},
@@ -97,6 +107,37 @@ void readLook(FieldReader& fields, std::optional<Look>& look) {
     if (auto parsed = applyLook(Look{}, *object)) look = std::move(*parsed);
 }
 
+void readHistogram(FieldReader& parent, std::optional<HistogramInfo>& out) {
+    const auto* object = parent.findValue("histogram");
+    if (!object) return;
+    HistogramInfo histogram;
+    FieldReader fields(*object, parent.path("histogram"), ErrorCode::Malformed);
+    if (fields.require("low")) fields.number("low", histogram.low);
+    if (fields.require("high")) fields.number("high", histogram.high);
+    if (const auto* counts = fields.require("counts")) {
+        if (!counts->is_array() || counts->size() > mostEntries)
+            return parent.error("histogram", "expected an array of counts");
+        for (const json& count : *counts) {
+            if (!count.is_number_unsigned())
+                return parent.error("histogram", "expected whole numbers as counts");
+            histogram.counts.push_back(count.get<std::uint64_t>());
+        }
+    }
+    if (auto sound = fields.finishLenient(); !sound) return parent.error(sound.error());
+    out = std::move(histogram);
+}
+
+void readColumn(FieldReader& fields, ColumnInfo& column) {
+    if (fields.require("name")) fields.text("name", column.name, longestText);
+    fields.text("type", column.type);
+    fields.text("description", column.description, longestText);
+    fields.numbers("range", column.range);
+    fields.flag("drawn", column.drawn);
+    std::array<double, 2> usual{};
+    if (fields.findValue("usual") && fields.numbers("usual", usual)) column.usual = usual;
+    readHistogram(fields, column.histogram);
+}
+
 void readCloud(FieldReader& fields, CloudInfo& info) {
     if (fields.require("id")) fields.text("id", info.id);
     fields.text("title", info.title, longestText);
@@ -135,6 +176,7 @@ void readCloud(FieldReader& fields, CloudInfo& info) {
         else
             entry.error("tint", "expected a colour as \"#rrggbb\"");
     });
+    readList(fields, "columns", info.columns, readColumn);
     fields.flag("surfels", info.surfels);
     fields.integer("bytesResident", info.bytesResident, 0, UINT64_MAX);
     readView(fields, info.view);
@@ -209,6 +251,7 @@ json toJson(const CloudInfo& info) {
         {"attributes", listToJson(info.attributes)},
         {"classes", info.classes},
         {"mirrors", listToJson(info.mirrors)},
+        {"columns", listToJson(info.columns)},
         {"bytesResident", info.bytesResident},
         {"view", toJson(info.view)},
     };

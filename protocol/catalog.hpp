@@ -22,6 +22,24 @@ struct AttributeInfo {
     bool operator==(const AttributeInfo&) const = default;
 };
 
+/// How many points have values in each of equal parts from `low` to `high`; those beyond are in none.
+struct HistogramInfo {
+    double low = 0, high = 1;
+    std::vector<std::uint64_t> counts;
+    bool operator==(const HistogramInfo&) const = default;
+};
+
+/// A kept column, or intensity (PROTOCOL.md, "Columns").
+struct ColumnInfo {
+    std::string name, type;  ///< "gps_time", "float64"
+    std::string description;
+    std::array<double, 2> range{0, 0};             ///< least and greatest value
+    bool drawn = false;                            ///< views may be coloured and filtered by it
+    std::optional<std::array<double, 2>> usual{};  ///< 1st and 99th percentile
+    std::optional<HistogramInfo> histogram{};
+    bool operator==(const ColumnInfo&) const = default;
+};
+
 struct MirrorInfo {
     glm::dvec3 center{0}, normal{0, 0, 1}, up{0, 1, 0};  ///< file coordinates; unit vectors
     double width = 0, height = 0;                        ///< cloud units
@@ -34,8 +52,8 @@ struct CloudInfo {
     std::string title;
     std::string attribution;  ///< whom to name beside its pictures; empty = nobody said
     std::string recorded;     ///< when it was scanned: "2024-05-13", or less of it; empty = nobody said
-    std::string format;    ///< "LAS 1.2, point format 3"
-    std::string revision;  ///< changes whenever a picture of it could
+    std::string format;       ///< "LAS 1.2, point format 3"
+    std::string revision;     ///< changes whenever a picture of it could
     std::uint64_t points = 0;
     std::uint64_t droppedPoints = 0;     ///< not in the picture: NaN or infinite coordinates
     std::array<glm::dvec3, 2> bounds{};  ///< min, max in file coordinates
@@ -47,6 +65,7 @@ struct CloudInfo {
     std::string crsWkt;                 ///< empty = unknown
     std::optional<int> crsEpsg;
     std::vector<MirrorInfo> mirrors;
+    std::vector<ColumnInfo> columns;
     std::uint64_t bytesResident = 0;
     View view;                 ///< a good first view of it
     std::optional<Look> look;  ///< how that was found; without outline; nullopt: not decided yet

@@ -8,10 +8,10 @@
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/light.hpp"
 #include "renderer/method/method.hpp"
-#include "renderer/residency/pictured_octree.hpp"
 #include "renderer/select/fade.hpp"
 #include "renderer/style.hpp"
 #include "renderer/sun.hpp"
+#include "renderer/together/together_columns.hpp"
 
 namespace scancast {
 namespace {
@@ -268,11 +268,11 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     const auto chosen = choose(cloud, view.style);
     if (!chosen) return passOn(chosen);
     const Method* const method = chosen->method;
-    const Style style = decidedStyle(cloud, view.style);
+    const Style style = withColumnEnds(cloud, decidedStyle(cloud, view.style));
     if (auto ok = checkAbility(cloud, *method, chosen->shading, style.color); !ok) return passOn(ok);
     auto color = colorRule(cloud, style, *viewpoint);
     if (!color) return passOn(color);
-    auto pictured = picturedOctree(cloud, style);
+    auto pictured = picturedOctreeOf(cloud, style);
     if (!pictured) return passOn(pictured);
 
     auto planned = std::make_shared<PlannedView>();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/image/clock.hpp"
 #include "renderer/mirrors.hpp"
 #include "renderer/residency/provide.hpp"
@@ -100,6 +101,14 @@ Expected<void> provideCuts(const Octree& octree, ProvideOptions options, std::sp
     return {};
 }
 
+/// A view whose words have just changed has nothing yet: without its root, which is a few thousand samples, it would blink.
+void bringRoot(const PlannedView& planned, const RenderOptions& options, const std::stop_token& stop) {
+    if (!planned.pictured || options.wait) return;
+    SampleStore& store = planned.pictured->store();
+    const auto file = store.cloudFile();
+    if (file && !file->isRemote() && !store.find(0)) (void)store.load(0, stop);
+}
+
 }  // namespace
 
 std::vector<CutView> cutsOf(const Cloud& cloud, const PlannedView& planned) {
@@ -148,6 +157,7 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
     const ProvideOptions provision{.wait = options.wait, .requester = options.requester, .ahead = soon.runs};
     const std::vector<CutView*> all = cutsIn(*prepared);
     if (plan.beside) askForBeside(all);
+    bringRoot(plan, options, stop);
     if (auto ok = provideCuts(octree, provision, all, stop); !ok) return passOn(ok);
     prepared->provideMs = millisecondsSince(start);
     return prepared;

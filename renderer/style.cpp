@@ -231,6 +231,7 @@ Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const View
 
 std::optional<std::array<double, 2>> rampEnds(const Cloud& cloud, const Style& style,
                                               const Viewpoint& viewpoint) {
+    if (style.color == ColorSource::Column && style.range) return style.range;
     const auto natural = naturalRange(cloud, style, viewpoint);
     return natural && style.range ? style.range : natural;
 }

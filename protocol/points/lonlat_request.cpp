@@ -14,7 +14,7 @@ using nlohmann::json;
 
 constexpr double farthestPlace = 1e12;
 
-std::optional<glm::dvec2> placeOf(const json& value) {
+std::optional<glm::dvec2> knownPlaceOf(const json& value) {
     if (!value.is_array() || value.size() < 2 || value.size() > 3) return std::nullopt;
     for (const json& number : value)
         if (!number.is_number() || !(std::abs(number.get<double>()) <= farthestPlace)) return std::nullopt;
@@ -42,7 +42,7 @@ Expected<LonLatRequest> parseLonLatRequest(std::string_view text) {
         return request;
     }
     for (std::size_t i = 0; i < list->size(); ++i) {
-        const auto place = placeOf((*list)[i]);
+        const auto place = knownPlaceOf((*list)[i]);
         if (!place) {
             std::string path = "points[";
             path.append(std::to_string(i)).append("]");
@@ -67,8 +67,9 @@ Expected<LonLatPoints> parseLonLatAnswer(const json& answer) {
         return fail(ErrorCode::Malformed, "The answer has no list of points.");
     LonLatPoints points;
     for (const json& value : *list) {
-        const auto place = placeOf(value);
-        if (!place && !value.is_null()) return fail(ErrorCode::Malformed, "The answer has a point that is no place.");
+        const auto place = knownPlaceOf(value);
+        if (!place && !value.is_null())
+            return fail(ErrorCode::Malformed, "The answer has a point that is no place.");
         points.push_back(place);
     }
     return points;

@@ -16,6 +16,7 @@
 #include "renderer/select/viewpoint.hpp"
 #include "renderer/style.hpp"
 #include "renderer/together/together.hpp"
+#include "renderer/together/together_columns.hpp"
 
 namespace scancast {
 
@@ -131,10 +132,14 @@ Expected<KeptPoint> keptPoint(const Cloud& cloud, const Octree& octree, const Ne
 }
 
 /// Of several clouds, the one that has it, where `found` is then.
-Expected<Picked::Of> ownerOf(const Together& together, Nearest& found, const std::stop_token& stop) {
+Expected<Picked::Of> ownerOf(const Together& together, const Style& filtered, Nearest& found,
+                             const std::stop_token& stop) {
     const Together::Place& place = together.places[found.node];
     const TogetherMember& member = together.members[place.member];
-    auto run = member.cloud->octree.store().load(place.node, stop);
+    const auto pictured = picturedOctree(*member.cloud, filtered);
+    if (!pictured) return passOn(pictured);
+    const Octree& octree = *pictured ? **pictured : member.cloud->octree;
+    auto run = octree.store().load(place.node, stop);
     if (!run) return passOn(std::move(run));
     found.node = place.node;
     found.run = std::move(*run);
@@ -178,7 +183,7 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     if (view.style.mirrors && isGlass(cloud, *place, depth)) return std::nullopt;
     Style filtered = view.style;
     filtered.color = ColorSource::Auto;  // else samples would have a column's values for intensities
-    const auto pictured = picturedOctree(cloud, filtered);
+    const auto pictured = picturedOctreeOf(cloud, filtered);
     if (!pictured) return passOn(pictured);
     const Octree& octree = *pictured ? **pictured : cloud.octree;
     auto nearest = nearestLeafSample(octree, *place, sampleFilter(cloud, view.style), stop);
@@ -189,13 +194,15 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     Picked picked;
     picked.surface = cloud.origin + onSurface(octree, *nearest, *place, glm::normalize(*place - *before));
     if (cloud.together) {
-        auto owner = ownerOf(*cloud.together, *nearest, stop);
+        auto owner = ownerOf(*cloud.together, filtered, *nearest, stop);
         if (!owner) return passOn(std::move(owner));
         picked.of = std::move(*owner);
         picked.surface -= picked.of->shift;
     }
     const Cloud& own = picked.of ? *picked.of->cloud : cloud;
-    auto point = keptPoint(own, picked.of ? own.octree : octree, *nearest);
+    const auto ofOwn = picked.of ? picturedOctree(own, filtered) : pictured;
+    if (!ofOwn) return passOn(ofOwn);
+    auto point = keptPoint(own, *ofOwn ? **ofOwn : own.octree, *nearest);
     if (!point) return passOn(std::move(point));
     picked.point = std::move(*point);
     picked.sample = nearest->sample();

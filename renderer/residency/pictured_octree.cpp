@@ -27,8 +27,8 @@ tl::unexpected<Error> gone() {
 /// A cloud in memory as a file that does not keep it.
 class SamplesInMemory final : public CloudFile {
   public:
-    explicit SamplesInMemory(const Cloud& cloud)
-        : gate_(cloud.octree.store().gate()), name_(cloud.title), facts_(factsOfSamples(cloud)) {
+    SamplesInMemory(const Cloud& cloud, const SampleStore& store)
+        : gate_(store.gate()), name_(cloud.title), facts_(factsOfSamples(cloud)) {
         nodes_.reserve(cloud.octree.nodes().size());
         for (const Node& node : cloud.octree.nodes()) nodes_.push_back({node, {}});
     }
@@ -93,30 +93,40 @@ std::shared_ptr<SampleStore> storeOfItsOwn(std::shared_ptr<const CloudFile> file
 
 }  // namespace
 
+std::shared_ptr<const CloudFile> fileOfSamples(const Cloud& cloud) {
+    return std::make_shared<SamplesInMemory>(cloud, cloud.octree.store());
+}
+
 bool hasInnerNodes(const Octree& octree) {
     return octree.nodes().size() > 1;
 }
 
 Expected<std::shared_ptr<const Octree>> picturedOctree(const Cloud& cloud, const Style& style) {
+    if (cloud.octree.nodes().empty()) return nullptr;
+    return picturedOctree(cloud, cloud.octree.store(), style);
+}
+
+Expected<std::shared_ptr<const Octree>> picturedOctree(const Cloud& cloud, SampleStore& samples,
+                                                       const Style& style) {
     if (style.filter.empty() && style.color != ColorSource::Column) return nullptr;
     const Octree& own = cloud.octree;
     // Columns are a file's: what was read into memory has none.
-    const bool inMemory = own.nodes().empty() || !own.store().cloudFile();
+    const bool inMemory = !samples.cloudFile();
     auto choice = inMemory ? chooseColumns(factsOfSamples(cloud), style, false)
                            : chooseColumns(cloud, style, hasInnerNodes(own));
     if (!choice) return passOn(choice);
-    if (choice->isNothing() || own.nodes().empty()) return nullptr;
-    const auto gate = own.store().gate();
+    if (choice->isNothing()) return nullptr;
+    const auto gate = samples.gate();
     if (!gate)
         return fail(ErrorCode::Unsupported,
                     "The points of this cloud are with other processes than this one, which do not colour or "
                     "filter by columns; serve its cloud file with scancast serve.",
                     style.filter.empty() ? "color" : "filter");
-    DerivedOctrees& derived = own.store().derived();
+    DerivedOctrees& derived = samples.derived();
     const std::string words = choice->words();
     if (auto known = derived.find(words)) return known;
 
-    auto file = own.store().cloudFile();
+    auto file = samples.cloudFile();
     SamplesAtHand atHand;
     if (file)
         atHand = [gate](std::uint32_t node) {
@@ -124,7 +134,7 @@ Expected<std::shared_ptr<const Octree>> picturedOctree(const Cloud& cloud, const
             return gate->with<Run>([&](SampleStore& store) { return store.find(node); }, std::nullopt);
         };
     else
-        file = std::make_shared<SamplesInMemory>(cloud);
+        file = std::make_shared<SamplesInMemory>(cloud, samples);
     auto pictured = picturedFile(std::move(file), std::move(*choice), std::move(atHand));
     auto store = derived.storeFor(pictured);
     if (!store) store = storeOfItsOwn(std::move(pictured), own);

@@ -105,28 +105,28 @@ nlohmann::json rampsJson() {
     return ramps;
 }
 
-nlohmann::json columnJson(const KeptColumn& kept, bool isDrawn) {
-    nlohmann::json json{{"name", kept.column.name},
-                        {"type", name(kept.column.type)},
-                        {"range", kept.range},
-                        {"drawn", isDrawn}};
-    if (!kept.column.description.empty()) json["description"] = kept.column.description;
-    if (kept.usual) json["usual"] = *kept.usual;
-    if (const auto& h = kept.histogram)
-        json["histogram"] = {{"low", h->low}, {"high", h->high}, {"counts", h->counts}};
-    return json;
+ColumnInfo columnInfo(const KeptColumn& kept, bool isDrawn) {
+    ColumnInfo info{kept.column.name,
+                    std::string(name(kept.column.type)),
+                    kept.column.description,
+                    kept.range,
+                    isDrawn,
+                    kept.usual,
+                    {}};
+    if (const auto& h = kept.histogram) info.histogram = HistogramInfo{h->low, h->high, h->counts};
+    return info;
 }
 
 /// What is kept of the points, and intensity, which is asked for in the same way.
-nlohmann::json columnsJson(const Cloud& cloud) {
-    nlohmann::json list = nlohmann::json::array();
+std::vector<ColumnInfo> columnsOf(const Cloud& cloud) {
+    std::vector<ColumnInfo> list;
     const auto choosable = choosableColumns(cloud);
     bool hasIntensity = false;
     for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
         const Column& column = cloud.columns[c].column;
         const bool isChoosable = std::ranges::find(choosable, c) != choosable.end();
         list.push_back(
-            columnJson(cloud.columns[c], isChoosable && isDrawn(cloud, column, hasInnerNodes(cloud.octree))));
+            columnInfo(cloud.columns[c], isChoosable && isDrawn(cloud, column, hasInnerNodes(cloud.octree))));
         hasIntensity = hasIntensity || column.name == intensityName;
     }
     if (!cloud.attributes.intensity || hasIntensity) return list;
@@ -136,7 +136,7 @@ nlohmann::json columnsJson(const Cloud& cloud) {
     intensity.range = {double(cloud.intensityRange[0]), double(cloud.intensityRange[1])};
     if (cloud.usual) intensity.usual = cloud.usual->intensity;
     intensity.histogram = cloud.intensityHistogram;
-    list.push_back(columnJson(intensity, true));
+    list.push_back(columnInfo(intensity, true));
     return list;
 }
 
@@ -177,6 +177,7 @@ CloudInfo describe(const std::string& id, const Cloud& cloud) {
         info.mirrors.push_back(
             {mirror.center, mirror.normal, mirror.up, mirror.width, mirror.height, mirror.tint});
     }
+    info.columns = columnsOf(cloud);
     info.bytesResident = cloud.octree.bytesResident();
     info.view = defaultView(cloud);
     info.look = cloud.look;
@@ -205,7 +206,6 @@ nlohmann::json cloudJson(const CatalogEntry& entry) {
     nlohmann::json json = toJson(describe(entry.id, *entry.cloud));
     json.update(pendingJson(entry));
     if (!entry.titled) json["title"] = entry.cloud->title;
-    json["columns"] = columnsJson(*entry.cloud);
     json["constant"] = constantJson(entry.cloud->constant);
     json["notes"] = entry.cloud->notes;
     json["stations"] = entry.cloud->stations.size();

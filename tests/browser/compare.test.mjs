@@ -100,6 +100,16 @@ describe('comparing', { timeout: 290_000 }, () => {
     assert.ok(left > 300 && right === 0, `${left} red ones on the left, ${right} on the right`);
   });
 
+  it('begins with two sides that differ, and says so until something else is chosen', async () => {
+    await begin();
+    await isTrue(() => views().some(({ color }) => color === 'elevation') && views().some(({ color }) => color === 'auto'), 'the right side by elevation');
+    assert.match(await page.textContent('#compare-begins'), /begins coloured by elevation/);
+    assert.equal(await page.inputValue('#compare-color'), 'elevation');
+    await page.selectOption('#compare-color', '');
+    await isTrue(() => views().every(({ color }) => color === 'auto'), 'both as the left one');
+    assert.equal(await page.textContent('#compare-begins'), '');
+  });
+
   it('another cloud, an address that says so, and an end that leaves nothing', async () => {
     await begin();
     await page.selectOption('#compare-cloud', 'helix');

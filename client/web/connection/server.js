@@ -120,11 +120,11 @@ export class Server {
     const found = [];
     for (let i = 0; i < points.length; i += mostPlaces) {
       const response = await this.ask(`${pathOf(cloud)}/lonlat`, {
-        method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ points: points.slice(i, i + mostPlaces) }), signal: AbortSignal.timeout(patienceMs),
+        method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ points: points.slice(i, i + mostPlaces).map(([x, y]) => [x, y]) }), signal: AbortSignal.timeout(patienceMs),
       });
-      found.push(...listOf((await response.json()).lonlat));
+      found.push(...listOf((await response.json()).points));
     }
-    if (found.length !== points.length) throw new ServerProblem({ detail: 'The server did not convert all of the points.' });
+    if (found.length !== points.length || found.includes(null)) throw new ServerProblem({ detail: 'Some of the points have no place in longitude and latitude.' });
     return found;
   }
 

@@ -20,7 +20,7 @@ export function columnsFor(cloud) {
   const others = (cloud.attributes ?? []).filter(({ name }) => drawn.includes(name) && !columns.some((one) => one.name === name));
   const { classes = [] } = cloud;
   return [...others.map((one) => ({ type: 'uint16', ...(one.name === 'classification' && classes.length > 0 ? { range: [Math.min(...classes), Math.max(...classes)] } : {}), ...one })), ...columns]
-    .filter((column) => reachOf(column));
+    .filter((column) => column.drawn !== false && reachOf(column));
 }
 
 /** The word with a column's two ends, null where they are open; null for no filter at all. Pure. */
@@ -77,6 +77,7 @@ export class Filtering {
     }
     this.#of = of;
     this.#list(cloud);
+    if (cloud.columns?.some(({ histogram }) => histogram)) return; // the list says all of it
     const told = await server.cloud(cloud.id).catch(() => undefined);
     if (told && this.#of === of) this.#list({ ...cloud, ...told });
   }

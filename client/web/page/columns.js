@@ -11,8 +11,8 @@ const drawn = ['intensity', 'classification'];
 /** Whether a server filters and colours by columns: older ones do not have that word. */
 export const knowsColumns = (cloud) => Object.hasOwn(cloud?.view ?? {}, 'filter');
 
-/** The columns that a scan can be coloured by. */
-export const columnsOf = (cloud) => (knowsColumns(cloud) ? (cloud.columns ?? []).filter(({ name }) => !drawn.includes(name)) : []);
+/** The columns that a scan can be coloured by: older cloud files keep them for exports alone. */
+export const columnsOf = (cloud) => (knowsColumns(cloud) ? (cloud.columns ?? []).filter(({ name, drawn: isDrawn = true }) => isDrawn && !drawn.includes(name)) : []);
 
 /** "GPS time", or the file's own word. */
 export const columnTitle = (name) => words.names[name] ?? name.replaceAll('_', ' ');

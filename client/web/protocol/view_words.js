@@ -9,7 +9,6 @@ const numbers = (values) => values.map(number).join(',');
 
 const plainNumber = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 const shortName = /^[A-Za-z0-9._-]{1,64}$/;
-const shortCloud = /^[A-Za-z0-9._-]{1,80}$/;
 const columnName = /^\P{Cc}{1,256}$/u; // the file's own word
 const parameterName = /^[A-Za-z0-9]{1,64}$/;
 const hexColor = /^#?[0-9a-f]{6}$/i;
@@ -151,7 +150,7 @@ const filters = listWord(mostFilters, readFilter, printFilter);
 /** A cloud that is shown together with this one; `.` is this one itself. */
 function readMember(text) {
   const [id, ...parts] = text.split(',');
-  if (!shortCloud.test(id)) return undefined;
+  if (id !== '.' && !shortName.test(id)) return undefined;
   const member = { cloud: id };
   for (const part of parts) {
     const [key, ...values] = part.split(':');
@@ -171,33 +170,6 @@ const printMember = ({ cloud, shift, tint, hidden }) => [
 export const mostMembers = 64;
 const members = listWord(mostMembers, readMember, printMember);
 
-/** A cloud of several: its name, and what is said of it. */
-function readCloud(text) {
-  const [cloud, ...parts] = text.split(',');
-  const made = { cloud, shift: [0, 0, 0], tint: null, hidden: false };
-  for (const part of parts) {
-    const [kind, ...values] = part.split(':');
-    const shift = values.map(readNumber);
-    if (part === 'hidden') made.hidden = true;
-    else if (kind === 'tint' && /^#?[0-9a-f]{6}$/i.test(values[0])) made.tint = `#${values[0].replace('#', '')}`;
-    else if (kind === 'shift' && shift.length === 3 && shift.every((value) => Math.abs(value) <= farthest)) made.shift = shift;
-    else return undefined;
-  }
-  return shortCloud.test(cloud) ? made : undefined;
-}
-
-const printCloud = ({ cloud, shift, tint, hidden }) => [cloud, ...(shift?.some((value) => value !== 0) ? [`shift:${shift.map(number).join(':')}`] : []),
-  ...(tint ? [`tint:${tint.slice(1)}`] : []), ...(hidden ? ['hidden'] : [])].join(',');
-
-export const mostClouds = 64;
-const clouds = {
-  read(text) {
-    const values = text.split(';').map(readCloud);
-    return values.length <= mostClouds && !values.includes(undefined) ? values : undefined;
-  },
-  print: (values) => (values.length > 0 ? values.map(printCloud).join(';') : 'auto'),
-};
-
 const plain = (word, kind) => ({ word, at: [word], ...kind });
 const open = (word, kind) => ({ ...plain(word, kind), auto: true });
 /** Said only where it is not what the cloud has anyway. */
@@ -210,7 +182,7 @@ const table = [
   open('range', tuple(2, ([low, high]) => low < high)), open('shading', named),
   plain('mirrors', flag), plain('behindMirrors', flag), plain('background', background), open('detail', numeric(0, 1024)),
   rare(open('exposure', numeric(-3, 3))), rare(open('classes', classes)), rare(open('clip', box)), rare(open('clips', shapes)),
-  rare(open('filter', filters)), rare(plain('with', { read: (text) => (text === 'none' ? null : members.read(text)), print: members.print })),
+  rare(open('filter', filters)), rare(open('with', members)),
   light('ambient', share), light('headlight', share), light('sunlight', share), light('shine', share), light('shadow', share),
   { ...light('occlusion', share), auto: true },
   { ...light('sun', tuple(2, ([around, above]) => Math.abs(around) <= 360 && above >= 0 && above <= 90)), auto: true },

@@ -22,8 +22,8 @@ const searchedFrom = 8; // so many others are found without
 export function reasonAgainst(own, other) {
   if (other.state === 'failed') return words.reasons.failed;
   if (!other.bounds) return words.reasons.loading;
-  const [mine, theirs] = [own, other].map(({ crsEpsg, crsName, crsWkt }) => crsEpsg || crsName || crsWkt || '');
-  return mine && theirs && String(mine) !== String(theirs) ? words.reasons.crs(other.crsName || `EPSG:${other.crsEpsg}`) : '';
+  const key = ['crsEpsg', 'crsName', 'crsUnit'].find((name) => own[name] && other[name]); // who says nothing is taken by the other's word
+  return key && own[key] !== other[key] ? words.reasons.crs(other.crsName || `EPSG:${other.crsEpsg}`) : '';
 }
 
 /** How far two boxes are apart; 0 where they overlap. */
@@ -171,7 +171,7 @@ export class Together {
     const steps = element('select', {}, ...stepsOffered.map((value) => element('option', { value: String(value), textContent: String(value), selected: value === this.#step })));
     steps.addEventListener('change', () => { this.#step = Number(steps.value); });
     const remove = cloud === itself ? [] : [keyed(`remove-${cloud}`, { textContent: words.remove }, () => this.#put(this.#members.filter((one) => one.cloud !== cloud)))];
-    return element('div', { className: 'details' }, element('h4', { textContent: words.shift }), ...fields.map(({ node }) => node),
+    return element('div', { className: 'details' }, element('h3', { textContent: words.shift }), ...fields.map(({ node }) => node),
       element('label', { className: 'row' }, element('span', { textContent: words.step }), steps),
       element('div', { className: 'buttons' }, keyed(`still-${cloud}`, { textContent: words.noShift }, () => this.#change(cloud, { shift: undefined })),
         keyed(`plain-${cloud}`, { textContent: words.noTint }, () => this.#change(cloud, { tint: undefined })), ...remove));
@@ -191,7 +191,7 @@ export class Together {
     const hadFocus = find('together-others').contains(document.activeElement);
     find('together-others').replaceChildren(...found.slice(0, mostListed).map(({ cloud: { id, title, points }, reason }) => {
       const name = title || id;
-      const button = keyed(`add-${id}`, { className: 'name', disabled: Boolean(reason) || isFull, ariaLabel: reason ? `${name}: ${reason}` : words.add(name) }, () => this.#add(id));
+      const button = keyed(`add-${id}`, { className: 'name', disabled: Boolean(reason) || isFull }, () => this.#add(id));
       button.append(element('span', { textContent: reason ? name : `+ ${name}` }), element('small', { textContent: reason || (points > 0 ? counted(points, 'point') : '') }));
       return element('li', {}, button);
     }));

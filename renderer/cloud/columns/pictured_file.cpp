@@ -23,6 +23,8 @@ class PicturedFile final : public CloudFile {
           atHand_(std::move(atHand)),
           facts_(file_->facts()) {
         if (choice_.color) facts_.attributes.intensity = true;
+        for (const StoredNode& stored : file_->nodes())
+            largest_ = std::max<std::uint64_t>(largest_, stored.node.sampleCount);
         const auto planes = file_->planes();
         for (const KeptColumn& kept : facts_.columns) {
             const auto at = std::ranges::find(planes, innerPlane(kept.column));
@@ -35,7 +37,9 @@ class PicturedFile final : public CloudFile {
     std::uint64_t bytes() const override { return file_->bytes(); }
     bool isRemote() const override { return file_->isRemote() || file_->isNative(); }
     bool countsVary() const override { return true; }
-    std::uint64_t ownMemory() const override { return rememberedNodes * mostRemembered * 4; }
+    std::uint64_t ownMemory() const override {
+        return rememberedNodes * std::min<std::uint64_t>(largest_, mostRemembered) * sizeof(std::uint32_t);
+    }
     bool isAway() const override { return file_->isAway(); }
     const CloudFacts& facts() const override { return facts_; }
     std::span<const BlockPlace> photoPlaces() const override { return file_->photoPlaces(); }
@@ -188,6 +192,7 @@ class PicturedFile final : public CloudFile {
     const ColumnChoice choice_;
     const SamplesAtHand atHand_;
     CloudFacts facts_;
+    std::uint64_t largest_ = 0;                      ///< samples of a node
     std::vector<std::optional<std::size_t>> inner_;  ///< of each column, its inner nodes' plane
     mutable std::mutex guard_;                       // of what follows
     mutable std::array<std::pair<std::uint32_t, Kept>, rememberedNodes> remembered_{};

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "renderer/cloud/build/histogram_parts.hpp"
+
 namespace scancast {
 
 void DistanceSummary::add(std::span<const float> distances) {
@@ -18,6 +20,7 @@ void DistanceSummary::add(std::span<const float> distances) {
 void DistanceSummary::tell(KeptColumn& column) const {
     column.range = range_;
     column.usual = sketch_.usual();
+    column.histogram = sketch_.histogram(histogramParts(range_, *column.usual, 0));
 }
 
 Column distanceColumn(const DistanceOptions& options, const std::string& before, const std::string& unit) {
@@ -30,10 +33,6 @@ Column distanceColumn(const DistanceOptions& options, const std::string& before,
     if (!unit.empty()) column.description += ", " + unit;
     column.description += fmt::format("; {} is that or more", options.most);
     return column;
-}
-
-ValuePlane innerDistances(const Column& column) {
-    return {"inner:" + column.name, column.type, ValuePlane::Of::Samples};
 }
 
 }  // namespace scancast

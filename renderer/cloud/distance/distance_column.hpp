@@ -18,7 +18,7 @@ class DistanceSummary {
     void add(std::span<const float> distances);
     std::uint64_t beyond() const { return beyond_; }
     double median() const { return sketch_.quantile(0.5); }
-    /// Range and where values usually lie.
+    /// Range, where values usually lie, and their histogram.
     void tell(KeptColumn& column) const;
 
   private:
@@ -31,8 +31,5 @@ class DistanceSummary {
 
 /// Name, type and description, which says to what, in which unit and up to where it was measured.
 Column distanceColumn(const DistanceOptions& options, const std::string& before, const std::string& unit);
-
-/// The companion with the column's values of inner nodes: of each sample that of the scan's point that is nearest. Leaves have none.
-ValuePlane innerDistances(const Column& column);
 
 }  // namespace scancast

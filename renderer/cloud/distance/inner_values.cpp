@@ -7,27 +7,24 @@
 
 namespace scancast {
 
-ValuedPoints nearestBelow(std::span<const glm::dvec3> samples, std::span<const ValuedPoints> below) {
-    ValuedPoints all;
-    for (const ValuedPoints& child : below) {
+std::vector<float> nearestBelow(std::span<const glm::dvec3> places, std::span<const ValuedSamples> below) {
+    ValuedSamples all;
+    for (const ValuedSamples& child : below) {
         all.places.insert(all.places.end(), child.places.begin(), child.places.end());
         all.values.insert(all.values.end(), child.values.begin(), child.values.end());
     }
     const PointTree tree(all.places);
-    ValuedPoints chosen;
-    chosen.places.reserve(samples.size());
-    chosen.values.reserve(samples.size());
-    PointTree::Nearest nearest;
-    for (const glm::dvec3& sample : samples) {
-        // What was nearest to the sample before is not far. As far as that: whichever would be found without.
-        if (!chosen.places.empty())
-            nearest.squared = std::nextafter(squaredLength(chosen.places.back() - sample),
-                                             std::numeric_limits<double>::infinity());
-        tree.findNearer(sample, nearest);
-        chosen.places.push_back(tree.point(nearest.place));
-        chosen.values.push_back(all.values[tree.index(nearest.place)]);
+    std::vector<float> values;
+    values.reserve(places.size());
+    std::uint32_t last = 0;
+    for (const glm::dvec3& place : places) {
+        // What was nearest to the place before is not far. Only what is nearer is looked for, or as near.
+        const double squared = squaredLength(all.places[last] - place);
+        last = tree.firstNearest(
+            place, {.squared = std::nextafter(squared, std::numeric_limits<double>::infinity())});
+        values.push_back(all.values[last]);
     }
-    return chosen;
+    return values;
 }
 
 }  // namespace scancast

@@ -1,5 +1,6 @@
-// What values a column's inner nodes have: a sample there stands for many points, and has the value of the one that is nearest to it,
-// as it is found by way of the nodes between. Pure functions. Pipeline: values of leaves → **inner values** → companion of the column.
+// What values a column's inner nodes have: a sample there stands for many points, and has the value of one of them, the nearest, as it is
+// found by way of the nodes between. It is the same point whose values ingest gives it of other columns (build/nodes/inner_columns.hpp).
+// Pure functions. Pipeline: values of leaves → **inner values** → companion of the column.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -8,13 +9,14 @@
 
 namespace scancast {
 
-/// The scan's points that a node's samples stand for, in the samples' order: a leaf's are its own. Where, and their values.
-struct ValuedPoints {
+/// A node's samples: where they are, cloud-relative, and their values.
+struct ValuedSamples {
     std::vector<glm::dvec3> places;
     std::vector<float> values;
 };
 
-/// Of an inner node whose samples are at `samples`, in the same frame; `below`: of its children, in their order, at least one point.
-ValuedPoints nearestBelow(std::span<const glm::dvec3> samples, std::span<const ValuedPoints> below);
+/// For each place of an inner node's samples the value of the sample below that is nearest, of equally near ones the first. `below`: of
+/// the node's children, in their order, at least one sample.
+std::vector<float> nearestBelow(std::span<const glm::dvec3> places, std::span<const ValuedSamples> below);
 
 }  // namespace scancast

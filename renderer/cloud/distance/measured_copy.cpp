@@ -86,21 +86,21 @@ KeptColumn MeasuredCopy::column() const {
 CloudFacts MeasuredCopy::factsOfCopy() const {
     CloudFacts facts = cloud_.facts();
     facts.columns.push_back(column());
-    facts.companions.push_back(innerDistances(options_.column));
+    facts.companions.push_back(innerPlane(options_.column));
     facts.revision = digest_->hex();
     return facts;
 }
 
 /// As much at once as there is room for; above that, child after child.
-Expected<ValuedPoints> MeasuredCopy::writeSubtree(std::uint32_t index) {
+Expected<ValuedSamples> MeasuredCopy::writeSubtree(std::uint32_t index) {
     const Node& node = nodes_[index].node;
     const bool whole = node.isLeaf() || node.points <= options_.chunkPoints;
     std::vector<Packed> packed(whole ? subtree_[index] : 1);
-    Expected<ValuedPoints> points;
+    Expected<ValuedSamples> points;
     if (whole) {
         points = measure(index, packed);
     } else {
-        std::vector<ValuedPoints> below;
+        std::vector<ValuedSamples> below;
         for (std::uint32_t c = 0; c < node.childCount; ++c) {
             auto child = writeSubtree(node.firstChild + c);
             if (!child) return child;
@@ -114,13 +114,13 @@ Expected<ValuedPoints> MeasuredCopy::writeSubtree(std::uint32_t index) {
 }
 
 /// `packed`: of the subtree, children first.
-Expected<ValuedPoints> MeasuredCopy::measure(std::uint32_t index, std::span<Packed> packed) {
+Expected<ValuedSamples> MeasuredCopy::measure(std::uint32_t index, std::span<Packed> packed) {
     const Node& node = nodes_[index].node;
     if (node.isLeaf()) return measureLeaf(index, packed.back());
     std::vector<std::size_t> first{0};
     for (std::uint32_t c = 0; c < node.childCount; ++c)
         first.push_back(first.back() + subtree_[node.firstChild + c]);
-    std::vector<ValuedPoints> below(node.childCount);
+    std::vector<ValuedSamples> below(node.childCount);
     std::vector<Expected<void>> done(node.childCount);
     tbb::parallel_for(std::uint32_t(0), std::uint32_t(node.childCount), [&](std::uint32_t c) {
         auto points = measure(node.firstChild + c, packed.subspan(first[c], first[c + 1] - first[c]));
@@ -134,7 +134,7 @@ Expected<ValuedPoints> MeasuredCopy::measure(std::uint32_t index, std::span<Pack
     return valueInner(index, below, packed.back());
 }
 
-Expected<ValuedPoints> MeasuredCopy::measureLeaf(std::uint32_t index, Packed& packed) {
+Expected<ValuedSamples> MeasuredCopy::measureLeaf(std::uint32_t index, Packed& packed) {
     if (stop_.stop_requested()) return fail(ErrorCode::Cancelled, "Measuring distances was abandoned");
     const auto samples = copyNode(index, packed);
     if (!samples) return passOn(samples);
@@ -148,21 +148,20 @@ Expected<ValuedPoints> MeasuredCopy::measureLeaf(std::uint32_t index, Packed& pa
         encodeRows(std::as_bytes(std::span(packed.values)), sizeof(float));
     meter_->add(samples->size());
     for (std::size_t i = 0; i < places.size(); ++i) places[i] = position(node, (*samples)[i]);
-    return ValuedPoints{std::move(places), packed.values};
+    return ValuedSamples{std::move(places), packed.values};
 }
 
-Expected<ValuedPoints> MeasuredCopy::valueInner(std::uint32_t index, std::span<const ValuedPoints> below,
-                                                Packed& packed) {
+Expected<ValuedSamples> MeasuredCopy::valueInner(std::uint32_t index, std::span<const ValuedSamples> below,
+                                                 Packed& packed) {
     if (stop_.stop_requested()) return fail(ErrorCode::Cancelled, "Measuring distances was abandoned");
     const auto samples = copyNode(index, packed);
     if (!samples) return passOn(samples);
     std::vector<glm::dvec3> places;
     places.reserve(samples->size());
     for (const Sample& sample : *samples) places.push_back(position(nodes_[index].node, sample));
-    ValuedPoints points = nearestBelow(places, below);
-    packed.values = points.values;
+    packed.values = nearestBelow(places, below);
     packed.planes.back() = encodeRows(std::as_bytes(std::span(packed.values)), sizeof(float));
-    return points;
+    return ValuedSamples{std::move(places), packed.values};
 }
 
 /// All that the cloud has of the node, packed again: what is damaged is found here.

@@ -40,11 +40,11 @@ class MeasuredCopy {
     struct Packed;
     class Digest;
 
-    Expected<ValuedPoints> writeSubtree(std::uint32_t node);
-    Expected<ValuedPoints> measure(std::uint32_t node, std::span<Packed> packed);
-    Expected<ValuedPoints> measureLeaf(std::uint32_t node, Packed& packed);
-    Expected<ValuedPoints> valueInner(std::uint32_t node, std::span<const ValuedPoints> below,
-                                      Packed& packed);
+    Expected<ValuedSamples> writeSubtree(std::uint32_t node);
+    Expected<ValuedSamples> measure(std::uint32_t node, std::span<Packed> packed);
+    Expected<ValuedSamples> measureLeaf(std::uint32_t node, Packed& packed);
+    Expected<ValuedSamples> valueInner(std::uint32_t node, std::span<const ValuedSamples> below,
+                                       Packed& packed);
     Expected<std::vector<Sample>> copyNode(std::uint32_t node, Packed& packed) const;
     Expected<void> append(std::span<Packed> packed);
     CloudFacts factsOfCopy() const;

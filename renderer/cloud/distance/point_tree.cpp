@@ -116,4 +116,26 @@ bool PointTree::findNearer(const glm::dvec3& p, Nearest& nearest) const {
     return nearest.squared < before;
 }
 
+std::uint32_t PointTree::firstNearest(const glm::dvec3& p, Nearest nearest) const {
+    findNearer(p, nearest);
+    std::uint32_t first = std::numeric_limits<std::uint32_t>::max();
+    std::array<std::size_t, 64> open;
+    std::size_t waiting = 0;
+    open[waiting++] = 0;
+    while (waiting > 0) {
+        const std::size_t part = open[--waiting];
+        if (boxes_[part].squaredTo(p) > nearest.squared) continue;
+        if (part < buckets() - 1) {
+            open[waiting++] = 2 * part + 2;
+            open[waiting++] = 2 * part + 1;
+            continue;
+        }
+        const std::size_t bucket = part - (buckets() - 1);
+        for (std::size_t i = this->first(bucket); i < this->first(bucket + 1); ++i)
+            if (squaredLength(glm::dvec3(x_[i], y_[i], z_[i]) - p) == nearest.squared)
+                first = std::min(first, index_[i]);
+    }
+    return first;
+}
+
 }  // namespace scancast

@@ -1,7 +1,5 @@
 // Points in a balanced k-d tree, each part with its box, for exact nearest-point queries. Immutable once built; *thread safety*: any
-// number of threads. Pipeline: a node's points → **tree** → distances. Source: Bentley, "Multidimensional binary search trees used
-// for associative searching", 1975; nearest-point search as Friedman, Bentley and Finkel, "An algorithm for finding best matches in
-// logarithmic expected time", 1977, whose bounds here are the boxes of the points themselves.
+// number of threads. Pipeline: a node's points → **tree** → distances.
 #pragma once
 
 #include <cstddef>
@@ -27,6 +25,9 @@ class PointTree {
     /// The nearest point to `p`, if it is nearer than `nearest` says; whether there is one. Of points equally near, one, and always
     /// the same.
     bool findNearer(const glm::dvec3& p, Nearest& nearest) const;
+
+    /// Of all points that are the nearest to `p`, the first one that it was made of: its index().
+    std::uint32_t firstNearest(const glm::dvec3& p, Nearest nearest) const;
 
     glm::dvec3 point(std::uint32_t place) const { return {x_[place], y_[place], z_[place]}; }
     /// Which of the points that it was made of stands there.

@@ -32,23 +32,26 @@ constexpr int lookedAtSide = 33;
 /// ms of a reference core to encode a pixel of nothing.
 constexpr double forEmptyPixel = 15e-6;
 
-/// What of a view a map has: everything but the camera, which looks straight down on all of the cloud until there is an extent.
-Expected<View> viewOfMap(const Cloud& cloud, const MapRequest& map) {
-    View view = defaultView(cloud, map.width, map.height);
+bool saysWord(const WordValues& words, std::string_view name) {
+    return std::ranges::any_of(words, [name](const auto& word) { return word.first == name; });
+}
+
+/// A map has one background; the camera looks straight down, on all of the cloud until there is an extent.
+Expected<View> asMap(const Cloud& cloud, View view, const MapRequest& map) {
+    view.width = map.width;
+    view.height = map.height;
     view.camera = cameraAbove(cloud, (glm::dvec2(cloud.bounds[0]) + glm::dvec2(cloud.bounds[1])) * 0.5, 1);
-    auto styled = applyWords(view, map.words);
-    if (!styled) return passOn(std::move(styled));
-    Background& background = styled->style.background;
-    const bool isSaid = std::ranges::any_of(map.words, [](const auto& word) { return word.first == "background"; });
-    if (!isSaid) {
-        background = {map.transparent ? Background::Kind::Transparent : Background::Kind::Color, map.background,
-                      map.background};
+    Background& background = view.style.background;
+    if (!saysWord(map.words, "background")) {
+        background = {map.transparent ? Background::Kind::Transparent : Background::Kind::Color,
+                      map.background, map.background};
     }
     if (background.kind == Background::Kind::Gradient)
-        return fail(ErrorCode::InvalidArgument, "background: a map has one colour, or is transparent", "background");
+        return fail(ErrorCode::InvalidArgument, "background: a map has one colour, or is transparent",
+                    "background");
     if (background.kind == Background::Kind::Transparent && map.format != PictureFormat::Png)
         background = {Background::Kind::Color, map.background, map.background};
-    return styled;
+    return view;
 }
 
 std::optional<Rgb8> backgroundOf(const View& view) {
@@ -57,9 +60,19 @@ std::optional<Rgb8> backgroundOf(const View& view) {
 }
 
 /// Everything that decides its pixels beside the view.
-std::string printed(const MapRequest& map) {
-    return fmt::format("map {} {} {} {} {} {} {}x{}", map.crs, map.axesOfCrs, map.box[0], map.box[1], map.box[2],
-                       map.box[3], map.width, map.height);
+std::string printedMap(const MapRequest& map) {
+    return fmt::format("map {} {} {} {} {} {} {}x{}", map.crs, map.axesOfCrs, map.box[0], map.box[1],
+                       map.box[2], map.box[3], map.width, map.height);
+}
+
+const WordValues& wordsOfMap(const MapRequest& map) {
+    return map.words;
+}
+const WordValues& wordsOfMap(const FeatureRequest& request) {
+    return request.map.words;
+}
+const WordValues& wordsOfMap(const CapabilitiesRequest& request) {
+    return request.words;
 }
 
 MapService serviceOf(Route route) {
@@ -78,7 +91,10 @@ MapService serviceOf(Route route) {
 
 /// Who asked, for what cloud. Shared by all who work for it.
 struct MapAnswers::Asked {
-    std::shared_ptr<const Cloud> cloud;
+    explicit Asked(const VisibleClouds& visible) : clouds(visible) {}
+
+    std::shared_ptr<const Cloud> cloud;  ///< what the words of a view show
+    VisibleClouds clouds;
     bool live = false;
     MapService service = MapService::Plain;
     HttpRequest request;
@@ -137,7 +153,8 @@ class MapAnswers::References {
 };
 
 MapAnswers::MapAnswers(MapOptions options, const Admission& admission, const SharedPictures& pictures,
-                       const Picker& picker, const Scheduler& scheduler, Metrics& metrics, TransientMemory memory)
+                       const Picker& picker, const Scheduler& scheduler, Metrics& metrics,
+                       TransientMemory memory)
     : options_(std::move(options)),
       admission_(admission),
       pictures_(pictures),
@@ -150,10 +167,10 @@ MapAnswers::MapAnswers(MapOptions options, const Admission& admission, const Sha
 
 MapAnswers::~MapAnswers() = default;
 
-void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
-                        const std::stop_token& gone) const {
-    auto asked = std::make_shared<Asked>();
-    asked->service = serviceOf(routed.route);
+void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds,
+                        Respond respond, const std::stop_token& gone) const {
+    const auto asked = std::make_shared<Asked>(clouds);
+    asked->service = wantsProblems(routed.query) ? MapService::Plain : serviceOf(routed.route);
     asked->request = request;
     asked->id = routed.id;
     asked->path = routed.path;
@@ -162,16 +179,16 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
     auto cloud = clouds.cloud(routed.id);
     if (!cloud) return asked->refuse(std::move(cloud.error()));
     asked->cloud = std::move(*cloud);
-    asked->live = clouds.isLive(routed.id);
     switch (routed.route) {
         case Route::Wms:
             return wms(asked, routed.query);
         case Route::Wmts:
             return wmts(asked, routed.query);
         case Route::WmtsCapabilities: {
-            auto words = parseMapWords(routed.query);
+            const auto words = parseMapWords(routed.query);
             if (!words) return asked->refuse(words.error());
-            return capabilities(asked, {std::move(*words)}, true);
+            if (look(asked, *words)) capabilities(asked, {*words}, true);
+            return;
         }
         case Route::MapTile: {
             const auto& [set, z, x, y] = routed.tile;
@@ -184,11 +201,26 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
     }
 }
 
+std::optional<View> MapAnswers::look(const Shared& asked, const WordValues& words) const {
+    auto viewed = viewOfWords(asked->clouds, asked->id, words, options_.maxPixels);
+    if (!viewed) {
+        asked->refuse(viewed.error());
+        return std::nullopt;
+    }
+    asked->cloud = std::move(viewed->cloud);
+    asked->live = asked->clouds.isLive(asked->id, viewed->planned->view.with);
+    return viewed->planned->view;
+}
+
 void MapAnswers::wms(const Shared& asked, std::string_view query) const {
-    auto parsed = parseWmsRequest(query, asked->id);
+    const auto parsed = parseWmsRequest(query, asked->id);
     if (!parsed) return asked->refuse(parsed.error());
-    if (auto* wanted = std::get_if<MapRequest>(&*parsed)) return map(asked, std::move(*wanted));
-    if (const auto* wanted = std::get_if<FeatureRequest>(&*parsed)) return feature(asked, *wanted);
+    const auto view =
+        look(asked,
+             std::visit([](const auto& wanted) -> const WordValues& { return wordsOfMap(wanted); }, *parsed));
+    if (!view) return;
+    if (const auto* wanted = std::get_if<MapRequest>(&*parsed)) return map(asked, *wanted, *view);
+    if (const auto* wanted = std::get_if<FeatureRequest>(&*parsed)) return feature(asked, *wanted, *view);
     capabilities(asked, std::get<CapabilitiesRequest>(*parsed), false);
 }
 
@@ -196,10 +228,13 @@ void MapAnswers::wmts(const Shared& asked, std::string_view query) const {
     const auto parsed = parseWmtsRequest(query, asked->id);
     if (!parsed) return asked->refuse(parsed.error());
     if (const auto* wanted = std::get_if<TileRequest>(&*parsed)) return tile(asked, *wanted);
-    capabilities(asked, std::get<CapabilitiesRequest>(*parsed), true);
+    const auto& wanted = std::get<CapabilitiesRequest>(*parsed);
+    if (look(asked, wanted.words)) capabilities(asked, wanted, true);
 }
 
 void MapAnswers::tile(const Shared& asked, const TileRequest& tile) const {
+    const auto view = look(asked, tile.words);
+    if (!view) return;
     const bool isFile = tile.set == fileCrs;
     const TileSet set = isFile ? fileTiles(*asked->cloud) : mercatorTiles();
     const MapExtent extent = set.extentOf(tile.z, tile.x, tile.y);
@@ -211,7 +246,7 @@ void MapAnswers::tile(const Shared& asked, const TileRequest& tile) const {
     wanted.format = tile.format;
     wanted.transparent = true;
     wanted.words = tile.words;
-    map(asked, std::move(wanted));
+    map(asked, wanted, *view);
 }
 
 void MapAnswers::post(const Shared& asked, std::function<void()> work) const {
@@ -222,25 +257,26 @@ void MapAnswers::post(const Shared& asked, std::function<void()> work) const {
     if (!posted) asked->refuse(problemOf(503, "Too many maps are waiting; ask again in a moment."));
 }
 
-void MapAnswers::map(const Shared& asked, MapRequest map) const {
+void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& looked) const {
     const Cloud& cloud = *asked->cloud;
     if (std::uint64_t(map.width) * std::uint64_t(map.height) > options_.maxPixels) {
         return asked->refuse(
             {ErrorCode::ResourceLimit,
-             fmt::format("A map of {} x {} pixels is larger than this server draws; the limit is {} pixels.", map.width,
-                         map.height, options_.maxPixels),
+             fmt::format("A map of {} x {} pixels is larger than this server draws; the limit is {} pixels.",
+                         map.width, map.height, options_.maxPixels),
              "WIDTH"});
     }
-    auto view = viewOfMap(cloud, map);
+    auto view = asMap(cloud, looked, map);
     if (!view) return asked->refuse(view.error());
     const auto planned = plan(cloud, *view);
     if (!planned) return asked->refuse(planned.error());
     const DeviceStatus device = scheduler_.device();
     if (device.state != DeviceStatus::State::Ready)
         return asked->refuse(problemOf(503, "The rendering device is not available."));
-    Ordered ordered{std::move(map), std::move(*view), (*planned)->margin, device.info, {}};
-    ordered.tag = contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
-                             printed(ordered.map));
+    Ordered ordered{map, std::move(*view), (*planned)->margin, device.info, {}};
+    ordered.tag =
+        contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
+                   printedMap(ordered.map));
     HttpResponse head = ordered.head(*asked);
     if (matchesAny(asked->request.header("if-none-match"), ordered.tag)) {
         head.status = 304;
@@ -325,18 +361,18 @@ void MapAnswers::answerEmpty(const Shared& asked, const Ordered& ordered) const 
     auto kept = admission_.keep(asked->request.client, std::uint64_t(pixels));
     if (!kept) return asked->refuse(kept.error());
     const TransientMemory::Hold hold = memory_.hold(MemoryUse::Frames, std::uint64_t(pixels) * 8);
-    auto bytes = encodePicture(emptyMap(map.width, map.height, backgroundOf(ordered.view)), ordered.view, map.format,
-                               asked->gone);
+    auto bytes = encodePicture(emptyMap(map.width, map.height, backgroundOf(ordered.view)), ordered.view,
+                               map.format, asked->gone);
     if (!bytes) return asked->refuse(bytes.error());
     HttpResponse response = ordered.head(*asked);
     response.bytes = memory_.shared(MemoryUse::Answers, std::move(*bytes), std::move(*kept));
     asked->respond(std::move(response));
 }
 
-void MapAnswers::feature(const Shared& asked, const FeatureRequest& request) const {
-    auto view = viewOfMap(*asked->cloud, request.map);
+void MapAnswers::feature(const Shared& asked, const FeatureRequest& request, const View& looked) const {
+    const auto view = asMap(*asked->cloud, looked, request.map);
     if (!view) return asked->refuse(view.error());
-    post(asked, [this, asked, request, view = std::move(*view)] { pick(asked, request, view); });
+    post(asked, [this, asked, request, view = *view] { pick(asked, request, view); });
 }
 
 void MapAnswers::pick(const Shared& asked, const FeatureRequest& request, View view) const {
@@ -361,8 +397,8 @@ void MapAnswers::pick(const Shared& asked, const FeatureRequest& request, View v
                     const Expected<std::optional<Picked>>& picked) {
         ticket->reset();
         if (!picked) return asked->refuse(picked.error());
-        HttpResponse response = featureResponse(
-            format, *picked ? pickedJson(*asked->cloud, **picked) : nlohmann::json(), there);
+        HttpResponse response =
+            featureResponse(format, *picked ? pickedJson(*asked->cloud, **picked) : nlohmann::json(), there);
         response.price = price / 1000;
         asked->respond(std::move(response));
     };

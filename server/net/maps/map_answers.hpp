@@ -10,6 +10,7 @@
 #include <stop_token>
 #include <string>
 
+#include "protocol/view/query.hpp"
 #include "server/base/metrics.hpp"
 #include "server/base/transient_memory.hpp"
 #include "server/catalog/visible_clouds.hpp"
@@ -22,6 +23,11 @@
 
 namespace scancast {
 
+struct CapabilitiesRequest;
+struct FeatureRequest;
+struct MapRequest;
+struct TileRequest;
+
 struct MapOptions {
     std::uint64_t maxPixels = 0;  ///< of a map, and of the picture that is drawn for it
     std::string version;
@@ -30,15 +36,15 @@ struct MapOptions {
 class MapAnswers {
   public:
     /// What is referred to outlives this.
-    MapAnswers(MapOptions options, const Admission& admission, const SharedPictures& pictures, const Picker& picker,
-               const Scheduler& scheduler, Metrics& metrics, TransientMemory memory);
+    MapAnswers(MapOptions options, const Admission& admission, const SharedPictures& pictures,
+               const Picker& picker, const Scheduler& scheduler, Metrics& metrics, TransientMemory memory);
     ~MapAnswers();
 
     /// A request to one of the routes of maps. Once `gone` is requested nobody waits for the answer, and it may never come. Problems: 400;
     /// 404; 413 where a map costs too much; 422 where a projection is wanted and the world does not know the cloud's coordinates; 429 and
     /// 503 where too much waits; in the words of the service that was asked.
-    void answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
-                const std::stop_token& gone) const;
+    void answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds,
+                Respond respond, const std::stop_token& gone) const;
     /// Nothing is answered afterwards. The scheduler must have ended.
     void stop() { worker_.stop(); }
 
@@ -46,20 +52,22 @@ class MapAnswers {
     struct Asked;
     struct Ordered;
     class References;
-    using Shared = std::shared_ptr<const Asked>;
+    using Shared = std::shared_ptr<Asked>;  // changed by look() alone
 
     void wms(const Shared& asked, std::string_view query) const;
     void wmts(const Shared& asked, std::string_view query) const;
-    void map(const Shared& asked, struct MapRequest map) const;
-    void tile(const Shared& asked, const struct TileRequest& tile) const;
-    void feature(const Shared& asked, const struct FeatureRequest& request) const;
-    void capabilities(const Shared& asked, const struct CapabilitiesRequest& request, bool isWmts) const;
+    /// What words of a view mean here; nullopt: it has been answered why not.
+    std::optional<View> look(const Shared& asked, const WordValues& words) const;
+    void map(const Shared& asked, const MapRequest& map, const View& looked) const;
+    void tile(const Shared& asked, const TileRequest& tile) const;
+    void feature(const Shared& asked, const FeatureRequest& request, const View& looked) const;
+    void capabilities(const Shared& asked, const CapabilitiesRequest& request, bool isWmts) const;
     void lonLat(const Shared& asked, const std::string& body) const;
 
     void post(const Shared& asked, std::function<void()> work) const;
     void draw(const Shared& asked, const Ordered& ordered) const;
     void answerEmpty(const Shared& asked, const Ordered& ordered) const;
-    void pick(const Shared& asked, const struct FeatureRequest& request, View view) const;
+    void pick(const Shared& asked, const FeatureRequest& request, View view) const;
 
     const MapOptions options_;
     const Admission& admission_;

@@ -48,7 +48,7 @@ describe('the hash', () => {
     for (const text of ['*intensity', 'rgb*depth', 'rgb*<b>*intensity']) assert.equal(parseHash(`#color=${text}`).style.color, undefined, text);
   });
 
-  const everyWord = 'exposure=0.5&classes=2,6&clip=0,0,0,10,10,5&clips=box:1,2,3,4,5,6;-box:0,0,0,1,2,3,30;box:0,0,0,1,2,3,30,-10,5;plane:0,0,1,0,0,-2&with=.,tint:ff8800;town-2,shift:0:-1:0.5,hidden&light.ambient=0.3&light.headlight=0.7&light.sunlight=0.8&light.shine=0.2' +
+  const everyWord = 'exposure=0.5&classes=2,6&clip=0,0,0,10,10,5&clips=box:1,2,3,4,5,6;-box:0,0,0,1,2,3,30;box:0,0,0,1,2,3,30,-10,5;plane:0,0,1,0,0,-2&filter=return_number:1..1;a%20b:..-2.5&with=.,tint:ff8800;town-2,shift:0:-1:0.5,hidden&light.ambient=0.3&light.headlight=0.7&light.sunlight=0.8&light.shine=0.2' +
     '&light.shadow=0.9&light.occlusion=0.6&light.sun=135,40&outliers=show&budget=5000000&samples=4&quality=50&subsampling=4:4:4';
 
   it('keeps every word of the vocabulary, whoever wrote it', () => {
@@ -61,7 +61,8 @@ describe('the hash', () => {
         { box: { center: [0, 0, 0], size: [1, 2, 3], turn: [30, -10, 5] }, keep: 'inside' },
         { plane: { point: [0, 0, 1], normal: [0, 0, -2] } },
       ],
-      with: [{ cloud: '.', shift: [0, 0, 0], tint: '#ff8800', hidden: false }, { cloud: 'town-2', shift: [0, -1, 0.5], tint: null, hidden: true }],
+      filter: [{ column: 'return_number', low: 1, high: 1 }, { column: 'a b', high: -2.5 }],
+      with: [{ cloud: '.', tint: '#ff8800' }, { cloud: 'town-2', shift: [0, -1, 0.5], hidden: true }],
       light: { ambient: 0.3, headlight: 0.7, sunlight: 0.8, shine: 0.2, shadow: 0.9, occlusion: 0.6, sun: [135, 40] },
       outliers: 'show', budget: 5e6, samples: 4, quality: 50, subsampling: '4:4:4',
     });

@@ -26,6 +26,14 @@ CloudInfo richCloud() {
     cloud.crsWkt = "PROJCS[\"WGS 84 / UTM zone 33N\"]";
     cloud.crsEpsg = 32633;
     cloud.mirrors = {{{1, 2, 3}, {0, 1, 0}, {0, 0, 1}, 2.5, 1.5, {236, 243, 240}}};
+    cloud.columns = {{"gps_time",
+                      "float64",
+                      "when",
+                      {0, 1e6},
+                      true,
+                      std::array{5.0, 9e5},
+                      HistogramInfo{5, 9e5, {1, 0, 20'000'000'000}}},
+                     {"user_data", "uint8", "", {0, 0}, false, {}, {}}};
     cloud.bytesResident = 123456789;
     cloud.view = test::richView();
     return cloud;

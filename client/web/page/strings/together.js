@@ -19,7 +19,6 @@ export const together = {
   step: 'Step',
   noShift: 'No shift',
   remove: 'Remove',
-  add: (name) => `Add ${name}`,
   reasons: { crs: (name) => `in another coordinate system: ${name}`, loading: 'still loading', failed: 'could not be loaded' },
   noOthers: 'There is no other cloud on this server.',
   notFound: 'No cloud of that name.',

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <glm/geometric.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "renderer/cloud/build/ingest.hpp"
@@ -178,6 +178,11 @@ class EpochDistance : public ::testing::Test {
         EXPECT_EQ(kept.range, range);
         ASSERT_TRUE(kept.usual);
         EXPECT_LE((*kept.usual)[0], (*kept.usual)[1]);
+        ASSERT_TRUE(kept.histogram);
+        std::uint64_t counted = 0;
+        for (const std::uint64_t count : kept.histogram->counts) counted += count;
+        EXPECT_GT(counted, points * 9 / 10);
+        EXPECT_LE(counted, points);
         lastBeyond_ = beyond;
     }
 
@@ -314,11 +319,11 @@ TEST_F(EpochDistance, TheFileIsTheSameForAnyNumberOfThreadsAndAnyRoom) {
 
 /// The facts but for what a column changes.
 nlohmann::json otherFacts(const CloudFile& cloud) {
-    auto text =
-        printFacts(cloud.facts(), cloud.writtenBy(), std::vector<BlockPlace>(cloud.facts().photos.size()));
+    const auto text = printFacts(cloud.facts(), cloud.writtenBy(), cloud.photoPlaces());
     EXPECT_TRUE(text) << text.error().message;
     auto json = nlohmann::json::parse(*text);
     for (const char* changed : {"columns", "planes", "revision"}) json.erase(changed);
+    for (auto& photo : json["photos"]) photo.erase("offset");
     return json;
 }
 
@@ -374,49 +379,39 @@ TEST_F(EpochDistance, EverythingElseOfTheCloudStays) {
             EXPECT_EQ(*both->plane(i, planeOf(*both, kept)), *out->plane(i, planeOf(*out, kept)));
 }
 
-TEST_F(EpochDistance, InnerNodesHaveValuesOfPointsBelowThatAreNear) {
+std::vector<double> doublesOf(const CloudFile& cloud, std::uint32_t node, std::size_t plane) {
+    const auto bytes = cloud.plane(node, plane);
+    EXPECT_TRUE(bytes) << bytes.error().message;
+    std::vector<double> values(bytes->size() / sizeof(double));
+    std::memcpy(values.data(), bytes->data(), values.size() * sizeof(double));
+    return values;
+}
+
+TEST_F(EpochDistance, InnerNodesHaveTheValuesOfThePointsThatOtherColumnsHaveThere) {
     make("before.scan", {});
-    make("after.scan", {.make = otherGround, .points = 2 * fewPoints, .leafPoints = 128});
+    make("after.scan", {.make = otherGround, .points = 2 * fewPoints, .rich = true, .leafPoints = 128});
     measured();
     const auto out = open("out.scan");
-    const std::size_t column = planeOf(*out, "distance"), companion = planeOf(*out, "inner:distance");
-    struct Known {
-        std::vector<glm::dvec3> places;
-        std::vector<float> values;
-    };
-    std::vector<Known> below(out->nodes().size());
-    std::uint64_t inner = 0, nearest = 0;
-    for (std::size_t i = out->nodes().size(); i-- > 0;) {
-        const Node& node = out->nodes()[i].node;
-        const auto samples = out->samples(std::uint32_t(i));
-        ASSERT_TRUE(samples);
-        if (node.isLeaf()) {
-            for (const Sample& s : *samples) below[i].places.push_back(position(node, s));
-            below[i].values = valuesOf(*out, std::uint32_t(i), column);
-            EXPECT_TRUE(valuesOf(*out, std::uint32_t(i), companion).empty());
-        } else {
-            for (std::uint32_t c = 0; c < node.childCount; ++c) {
-                const Known& child = below[node.firstChild + c];
-                below[i].places.insert(below[i].places.end(), child.places.begin(), child.places.end());
-                below[i].values.insert(below[i].values.end(), child.values.begin(), child.values.end());
-            }
-            const auto values = valuesOf(*out, std::uint32_t(i), companion);
-            ASSERT_EQ(values.size(), samples->size());
-            for (std::size_t k = 0; k < values.size(); ++k) {
-                double any = 1e300, same = 1e300;
-                for (std::size_t p = 0; p < below[i].places.size(); ++p) {
-                    const double d = glm::length(below[i].places[p] - position(node, (*samples)[k]));
-                    any = std::min(any, d);
-                    if (below[i].values[p] == values[k]) same = std::min(same, d);
-                }
-                ++inner;
-                nearest += same == any;
-                EXPECT_LE(same, any + 2 * node.spacing) << "node " << i << ", sample " << k;
-            }
-        }
+    const std::size_t distance = planeOf(*out, "distance"), time = planeOf(*out, "gps_time");
+    const std::size_t innerDistance = planeOf(*out, "inner:distance"),
+                      innerTime = planeOf(*out, "inner:gps_time");
+    std::map<double, float> distances;  // each point has a time of its own
+    for (std::uint32_t i = 0; i < out->nodes().size(); ++i) {
+        const auto times = doublesOf(*out, i, time);
+        const auto values = valuesOf(*out, i, distance);
+        for (std::size_t k = 0; k < times.size(); ++k) distances[times[k]] = values[k];
+    }
+    ASSERT_EQ(distances.size(), 2 * fewPoints);
+    std::uint64_t inner = 0;
+    for (std::uint32_t i = 0; i < out->nodes().size(); ++i) {
+        const auto times = doublesOf(*out, i, innerTime);
+        const auto values = valuesOf(*out, i, innerDistance);
+        ASSERT_EQ(times.size(), values.size());
+        ASSERT_EQ(values.size(), out->nodes()[i].node.isLeaf() ? 0 : out->nodes()[i].node.sampleCount);
+        for (std::size_t k = 0; k < times.size(); ++k) ASSERT_EQ(values[k], distances.at(times[k]));
+        inner += times.size();
     }
     EXPECT_GT(inner, 100u);
-    EXPECT_GT(double(nearest), 0.5 * double(inner)) << "most have that of the nearest of all";
 }
 
 TEST_F(EpochDistance, WhatCannotBeMeantIsRefused) {

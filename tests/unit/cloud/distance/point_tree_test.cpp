@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <glm/common.hpp>
 
 #include "renderer/cloud/distance/inner_values.hpp"
 #include "renderer/cloud/distance/point_tree.hpp"
@@ -74,26 +75,31 @@ TEST(PointTree, IsTheSameWheneverItIsMade) {
     for (std::uint32_t i = 0; i < points.size(); ++i) ASSERT_EQ(all[i], i) << "each point once";
 }
 
-TEST(PointTree, InnerSamplesHaveTheValueOfTheNearestPointBelow) {
-    std::vector<ValuedPoints> below;
-    std::vector<glm::dvec3> all;
-    std::vector<float> values;
-    for (std::uint64_t child = 0; child < 4; ++child) {
-        ValuedPoints points{.places = cube(300, 10 * child), .values = {}};
-        for (std::size_t i = 0; i < 300; ++i) points.values.push_back(float(child * 1000 + i));
-        all.insert(all.end(), points.places.begin(), points.places.end());
-        values.insert(values.end(), points.values.begin(), points.values.end());
-        below.push_back(std::move(points));
-    }
-    below.push_back({});
-    const auto samples = cube(200, 99);
-    const ValuedPoints chosen = nearestBelow(samples, below);
-    ASSERT_EQ(chosen.values.size(), samples.size());
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-        const auto nearest = std::ranges::min_element(
-            all, {}, [&](const glm::dvec3& p) { return squaredLength(p - samples[i]); });
-        EXPECT_EQ(chosen.places[i], *nearest);
-        EXPECT_EQ(chosen.values[i], values[std::size_t(nearest - all.begin())]);
+TEST(PointTree, InnerSamplesHaveTheValueOfTheNearestBelowOfEqualsTheFirst) {
+    const auto onALattice = [](std::vector<glm::dvec3> points, double cells) {
+        for (glm::dvec3& p : points) p = glm::floor(p * cells) / cells;
+        return points;
+    };
+    for (const double cells : {4.0, 1e6}) {  // many equally near, and none
+        std::vector<ValuedSamples> below;
+        std::vector<glm::dvec3> all;
+        std::vector<float> values;
+        for (std::uint64_t child = 0; child < 4; ++child) {
+            ValuedSamples samples{.places = onALattice(cube(300, 10 * child), cells), .values = {}};
+            for (std::size_t i = 0; i < 300; ++i) samples.values.push_back(float(child * 1000 + i));
+            all.insert(all.end(), samples.places.begin(), samples.places.end());
+            values.insert(values.end(), samples.values.begin(), samples.values.end());
+            below.push_back(std::move(samples));
+        }
+        below.push_back({});
+        const auto places = onALattice(cube(200, 99), cells);
+        const auto chosen = nearestBelow(places, below);
+        ASSERT_EQ(chosen.size(), places.size());
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const auto nearest = std::ranges::min_element(
+                all, {}, [&](const glm::dvec3& p) { return squaredLength(p - places[i]); });
+            EXPECT_EQ(chosen[i], values[std::size_t(nearest - all.begin())]);
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 #include "client/cpp/http_get.hpp"
 #include "protocol/json_fields.hpp"
 #include "protocol/json_text.hpp"
+#include "protocol/problem.hpp"
 #include "protocol/text/plain_text.hpp"
 #include "protocol/view/view.hpp"
 
@@ -131,7 +132,45 @@ Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& 
     const bool jpeg = format == PictureFormat::Jpeg;
     auto target = cloudPath(cloud) + (jpeg ? "/snapshot.jpg" : "/snapshot.png");
     if (!words.empty()) target.append("?").append(printQuery(words));
-    auto answer = httpGet(url_, target, longestPicture(words), etag, credentials_, timeouts_);
+    return picture(target, words, format, etag);
+}
+
+Expected<Snapshot> Server::map(const std::string& cloud, const MapArea& area, const WordValues& words,
+                               PictureFormat format, const std::string& etag) const {
+    // WMS 1.1.1: x comes before y in every system.
+    const auto number = [](double value) { return nlohmann::json(value).dump(); };
+    std::string box;
+    for (const double bound : area.box) box.append(box.empty() ? "" : ",").append(number(bound));
+    WordValues all{{"SERVICE", "WMS"},
+                   {"VERSION", "1.1.1"},
+                   {"REQUEST", "GetMap"},
+                   {"SRS", area.crs},
+                   {"BBOX", box},
+                   {"WIDTH", std::to_string(area.width)},
+                   {"HEIGHT", std::to_string(area.height)},
+                   {"FORMAT", format == PictureFormat::Jpeg ? "image/jpeg" : "image/png"},
+                   {"TRANSPARENT", area.transparent ? "TRUE" : "FALSE"},
+                   {"EXCEPTIONS", std::string(problemMediaType)}};
+    all.insert(all.end(), words.begin(), words.end());
+    return picture(cloudPath(cloud) + "/wms?" + printQuery(all),
+                   {{"width", std::to_string(area.width)}, {"height", std::to_string(area.height)}}, format,
+                   etag);
+}
+
+Expected<LonLatPoints> Server::lonLat(const std::string& cloud, const LonLatRequest& request) const {
+    const auto answer = postJson(*this, cloudPath(cloud) + "/lonlat", toJson(request));
+    if (!answer) return passOn(answer);
+    auto points = parseLonLatAnswer(*answer);
+    if (points && points->size() != request.points.size())
+        return fail(ErrorCode::Malformed,
+                    url_.authority() + " answered with another number of places than was asked for");
+    return points;
+}
+
+Expected<Snapshot> Server::picture(const std::string& target, const WordValues& size, PictureFormat format,
+                                   const std::string& etag) const {
+    const bool jpeg = format == PictureFormat::Jpeg;
+    auto answer = httpGet(url_, target, longestPicture(size), etag, credentials_, timeouts_);
     if (!answer) return passOn(answer);
     if (answer->status == 304) return Snapshot{{}, etag, {}, true, 0, answer->method, answer->methodReason};
     const bool picture = jpeg ? startsWith(answer->body, {0xFF, 0xD8, 0xFF})

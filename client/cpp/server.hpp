@@ -16,6 +16,7 @@
 #include "client/cpp/timeouts.hpp"
 #include "protocol/catalog.hpp"
 #include "protocol/measure/measure_request.hpp"
+#include "protocol/points/lonlat_request.hpp"
 #include "protocol/points/points_request.hpp"
 #include "protocol/raster/raster_request.hpp"
 #include "protocol/view/query.hpp"
@@ -33,6 +34,16 @@ struct Snapshot {
     std::uint64_t damaged = 0;   ///< blocks of the cloud that it lacks, because they cannot be read
     std::string method{};        ///< that drew it; empty of a server that does not say
     std::string methodReason{};  ///< why this one, where the view left it to auto; else empty
+};
+
+/// Which part of the world a map shows, from edge to edge of its outermost pixels.
+struct MapArea {
+    std::string crs =
+        "file";  ///< "EPSG:3857", the cloud's own "EPSG:25833", "CRS:84"; file: the cloud's coordinates
+    std::array<double, 4>
+        box{};                  ///< left, bottom, right, top: x and y, whatever order the system's axes have
+    int width = 0, height = 0;  ///< px
+    bool transparent = true;    ///< where no point is; of PNG. Else white
 };
 
 /// What a server said of the points that it gave away.
@@ -75,6 +86,12 @@ class Server {
     Expected<Snapshot> snapshot(const std::string& cloud, const WordValues& words,
                                 PictureFormat format = PictureFormat::Jpeg,
                                 const std::string& etag = {}) const;
+    /// A map from straight above (docs/maps.md). `words`: those of a view, but for the camera's and the picture's size.
+    Expected<Snapshot> map(const std::string& cloud, const MapArea& area, const WordValues& words = {},
+                           PictureFormat format = PictureFormat::Png, const std::string& etag = {}) const;
+    /// File coordinates as longitudes and latitudes (WGS 84, degrees), or the other way round, in the same order; nullopt for places
+    /// that have none. Unsupported where nobody knows where in the world the cloud is.
+    Expected<LonLatPoints> lonLat(const std::string& cloud, const LonLatRequest& request) const;
     /// The scan's point that a pixel of a view's picture shows, as PROTOCOL.md, "A picked point", has it: position, attributes and
     /// all; null where nothing is. `view`: any subset of a view as JSON; x, y: px from the top left corner.
     Expected<nlohmann::json> pick(const std::string& cloud, const nlohmann::json& view, double x,
@@ -95,9 +112,13 @@ class Server {
 
     /// A raster in plan, elevations or an orthophoto, as the bytes of a GeoTIFF. Where it is packed the answer begins when all of it is
     /// made, and for that this waits up to an hour; with RasterPacking::None it comes while it is made.
-    Expected<RasterFacts> raster(const std::string& cloud, const RasterRequest& request, const TakeBytes& take) const;
+    Expected<RasterFacts> raster(const std::string& cloud, const RasterRequest& request,
+                                 const TakeBytes& take) const;
 
   private:
+    Expected<Snapshot> picture(const std::string& target, const WordValues& size, PictureFormat format,
+                               const std::string& etag) const;
+
     ServerUrl url_;
     Timeouts timeouts_;
     Credentials credentials_;

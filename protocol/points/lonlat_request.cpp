@@ -68,7 +68,8 @@ Expected<LonLatPoints> parseLonLatAnswer(const json& answer) {
     LonLatPoints points;
     for (const json& value : *list) {
         const auto place = knownPlaceOf(value);
-        if (!place && !value.is_null()) return fail(ErrorCode::Malformed, "The answer has a point that is no place.");
+        if (!place && !value.is_null())
+            return fail(ErrorCode::Malformed, "The answer has a point that is no place.");
         points.push_back(place);
     }
     return points;

@@ -125,9 +125,9 @@ std::span<const RasterWord> rasterWords() {
 bool isWordOf(RasterKind kind, std::string_view word) {
     static constexpr std::array<std::string_view, 6> points{"classes",  "clip",          "clips",
                                                             "outliers", "behindMirrors", "filter"};
-    static constexpr std::array<std::string_view, 14> notOfOrthophotos{
-        "eye",  "target", "up",    "viewMatrix", "projection", "fov",         "viewHeight",
-        "near", "far",    "width", "height",     "quality",    "subsampling", "with"};
+    static constexpr std::array<std::string_view, 13> notOfOrthophotos{
+        "eye",  "target", "up",    "viewMatrix", "projection", "fov",        "viewHeight",
+        "near", "far",    "width", "height",     "quality",    "subsampling"};
     if (kind == RasterKind::Elevation) return std::ranges::find(points, word) != points.end();
     return isViewWord(word) && std::ranges::find(notOfOrthophotos, word) == notOfOrthophotos.end();
 }
@@ -154,11 +154,11 @@ Expected<RasterRequest> rasterRequestOf(RasterKind kind, const WordValues& given
         }
         if (word == "with")
             return tl::unexpected(
-                wrong(word, "rasters are made of one cloud at a time; ask for each by itself"));
+                wrong(word, "elevations are those of one cloud at a time; ask for each by itself"));
         if (isViewWord(word))
             return tl::unexpected(wrong(
                 word, isElevation ? "says nothing of elevation; of a view's words, those count that say "
-                                    "which points are looked at: classes, clip, clips, outliers, "
+                                    "which points are looked at: classes, filter, clip, clips, outliers, "
                                     "behindMirrors"
                                   : "is not the request's to say: an orthophoto is seen from straight "
                                     "above, and as large as bbox and cell make it"));

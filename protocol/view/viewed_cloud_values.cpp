@@ -52,9 +52,10 @@ tl::expected<void, std::string> applyPart(std::string_view part, ViewedCloud& ou
         out.tint = *tint;
         return {};
     }
-    return tl::unexpected(quoteText(part) +
-                          " says nothing of a cloud: write shift:DX:DY:DZ, tint:RRGGBB or hidden, with commas "
-                          "between them and ; between clouds");
+    return tl::unexpected(
+        quoteText(part) +
+        " says nothing of a cloud: write shift:DX:DY:DZ, tint:RRGGBB or hidden, with commas "
+        "between them and ; between clouds");
 }
 
 Parsed<ViewedCloud> parseViewedCloud(std::string_view text) {
@@ -101,7 +102,9 @@ bool read(FieldReader& parent, std::string_view key, ViewedClouds& out) {
     if (!list) return false;
     ViewedClouds clouds;
     if (!list->is_array() && !list->is_null()) {
-        parent.error(key, R"(expected null or an array of clouds, such as {"cloud": "town-2024", "shift": [0, 0, 0.1]})");
+        parent.error(
+            key,
+            R"(expected null or an array of clouds, such as {"cloud": "town-2024", "shift": [0, 0, 0.1]})");
         return false;
     }
     if (list->size() > mostViewedClouds) {

@@ -21,10 +21,11 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 inline constexpr std::string_view ownCloudName = ".";
 
 struct ViewedCloud {
-    std::string cloud;         ///< its id at a server, its file for `scancast render`; or ownCloudName
-    glm::dvec3 shift{0};       ///< added to all of its coordinates, file units
-    std::optional<Rgb8> tint;  ///< multiplies its own colours; of a cloud without, and with color=cloud, it is the colour
-    bool hidden = false;       ///< not drawn, and takes no part in anything else
+    std::string cloud;    ///< its id at a server, its file for `scancast render`; or ownCloudName
+    glm::dvec3 shift{0};  ///< added to all of its coordinates, file units
+    std::optional<Rgb8>
+        tint;  ///< multiplies its own colours; of a cloud without, and with color=cloud, it is the colour
+    bool hidden = false;  ///< not drawn, and takes no part in anything else
     bool operator==(const ViewedCloud&) const = default;
 };
 

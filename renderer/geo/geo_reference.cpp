@@ -82,8 +82,8 @@ struct GeoReference::Proj {
         PJ* const operation = worlds[std::size_t(world)].get();
         if (places.empty()) return;
         proj_errno_reset(operation);
-        proj_trans_generic(operation, direction, &places[0].x, sizeof(glm::dvec2), places.size(), &places[0].y,
-                           sizeof(glm::dvec2), places.size(), nullptr, 0, 0, nullptr, 0, 0);
+        proj_trans_generic(operation, direction, &places[0].x, sizeof(glm::dvec2), places.size(),
+                           &places[0].y, sizeof(glm::dvec2), places.size(), nullptr, 0, 0, nullptr, 0, 0);
         for (glm::dvec2& place : places)
             if (!std::isfinite(place.x) || !std::isfinite(place.y))
                 place = glm::dvec2(std::numeric_limits<double>::infinity());
@@ -149,7 +149,8 @@ Expected<GeoReference> GeoReference::create(const CloudFacts& cloud) {
     for (std::size_t i = 0; i < targets.size(); ++i) {
         const Object target(proj_create(context, targets[i]));
         if (!target) return fail(ErrorCode::Internal, "PROJ's database (proj.db) cannot be read");
-        const Object direct(proj_create_crs_to_crs_from_pj(context, crs.get(), target.get(), nullptr, nullptr));
+        const Object direct(
+            proj_create_crs_to_crs_from_pj(context, crs.get(), target.get(), nullptr, nullptr));
         if (direct) proj->worlds[i].reset(proj_normalize_for_visualization(context, direct.get()));
         if (!proj->worlds[i]) return refuse("PROJ knows no way from its coordinates to WGS 84.");
     }

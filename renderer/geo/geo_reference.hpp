@@ -27,9 +27,9 @@ enum class WorldCrs : std::uint8_t {
 struct FileCrs {
     std::optional<int> epsg;  ///< by which maps ask for it; of a compound system that of its horizontal part
     std::string name;
-    bool northFirst = false;    ///< EPSG's order of its axes: services that follow it write y before x
-    bool degrees = false;       ///< x and y are longitude and latitude
-    double metresPerUnit = 1;   ///< of degrees: on the equator
+    bool northFirst = false;   ///< EPSG's order of its axes: services that follow it write y before x
+    bool degrees = false;      ///< x and y are longitude and latitude
+    double metresPerUnit = 1;  ///< of degrees: on the equator
 };
 
 /// Owned by whoever made it. *Thread safety*: none, not even of const functions - PROJ's objects belong to one thread.

@@ -55,8 +55,8 @@ Box boundsInMap(const Box& bounds, const MapProjection& projection) {
     std::vector<glm::dvec2> places;
     for (int row = 0; row < placesOfEdge; ++row)
         for (int column = 0; column < placesOfEdge; ++column)
-            places.push_back(glm::mix(bounds.low, bounds.high,
-                                      glm::dvec2(column, row) / double(placesOfEdge - 1)));
+            places.push_back(
+                glm::mix(bounds.low, bounds.high, glm::dvec2(column, row) / double(placesOfEdge - 1)));
     if (projection.fromCloud) projection.fromCloud(places);
     Box box;
     for (const glm::dvec2& place : places) {
@@ -77,11 +77,11 @@ struct Window {
 Window windowOf(const MapExtent& extent, const Box& box) {
     const glm::dvec2 sides(extent.width, extent.height);
     const glm::dvec2 pixel = (extent.high - extent.low) / sides;
-    const auto clamped = [&](const glm::dvec2& p) {
-        return glm::ivec2(glm::clamp(p, glm::dvec2(0), sides));
-    };
-    const glm::dvec2 low = (glm::dvec2(box.low.x, extent.high.y) - glm::dvec2(extent.low.x, box.high.y)) / pixel;
-    const glm::dvec2 high = (glm::dvec2(box.high.x, extent.high.y) - glm::dvec2(extent.low.x, box.low.y)) / pixel;
+    const auto clamped = [&](const glm::dvec2& p) { return glm::ivec2(glm::clamp(p, glm::dvec2(0), sides)); };
+    const glm::dvec2 low =
+        (glm::dvec2(box.low.x, extent.high.y) - glm::dvec2(extent.low.x, box.high.y)) / pixel;
+    const glm::dvec2 high =
+        (glm::dvec2(box.high.x, extent.high.y) - glm::dvec2(extent.low.x, box.low.y)) / pixel;
     const glm::ivec2 first = clamped(glm::floor(low) - double(edge));
     return {first, clamped(glm::ceil(high) + double(edge)) - first};
 }
@@ -107,27 +107,31 @@ Net netOf(const MapExtent& extent, const MapProjection& projection, const Window
     net.nodes.reserve(std::size_t(net.columns) * std::size_t(net.rows));
     for (int row = 0; row < net.rows; ++row)
         for (int column = 0; column < net.columns; ++column)
-            net.nodes.push_back(extent.placeAt(glm::dvec2(window.first) + double(step) * glm::dvec2(column, row)));
+            net.nodes.push_back(
+                extent.placeAt(glm::dvec2(window.first) + double(step) * glm::dvec2(column, row)));
     toCloud(projection, net.nodes);
     return net;
 }
 
 std::size_t nodesOf(const Window& window, int step) {
-    return std::size_t((window.size.x + step - 1) / step + 1) * std::size_t((window.size.y + step - 1) / step + 1);
+    return std::size_t((window.size.x + step - 1) / step + 1) *
+           std::size_t((window.size.y + step - 1) / step + 1);
 }
 
 /// How far the net is off in the middle of cells and of their edges, cloud units: what bends is farthest off there.
-double errorOf(const Net& net, const MapExtent& extent, const MapProjection& projection, const Window& window) {
+double errorOf(const Net& net, const MapExtent& extent, const MapProjection& projection,
+               const Window& window) {
     if (!projection.toCloud) return 0;
     std::vector<glm::dvec2> there, between;
     for (int row = 0; row + 1 < net.rows; ++row) {
         for (int column = 0; column + 1 < net.columns; ++column) {
-            const glm::dvec2 corners[4] = {net.at(column, row), net.at(column + 1, row), net.at(column, row + 1),
-                                           net.at(column + 1, row + 1)};
+            const glm::dvec2 corners[4] = {net.at(column, row), net.at(column + 1, row),
+                                           net.at(column, row + 1), net.at(column + 1, row + 1)};
             const auto look = [&](double x, double y) {
                 there.push_back(extent.placeAt(glm::dvec2(window.first) +
                                                double(net.step) * glm::dvec2(column + x, row + y)));
-                between.push_back(glm::mix(glm::mix(corners[0], corners[1], x), glm::mix(corners[2], corners[3], x), y));
+                between.push_back(
+                    glm::mix(glm::mix(corners[0], corners[1], x), glm::mix(corners[2], corners[3], x), y));
             };
             look(0.5, 0.5);
             look(0.5, 0);
@@ -137,7 +141,8 @@ double errorOf(const Net& net, const MapExtent& extent, const MapProjection& pro
     toCloud(projection, there);
     double most = 0;
     for (std::size_t i = 0; i < there.size(); ++i)
-        if (isPlace(there[i]) && isPlace(between[i])) most = std::max(most, glm::distance(there[i], between[i]));
+        if (isPlace(there[i]) && isPlace(between[i]))
+            most = std::max(most, glm::distance(there[i], between[i]));
     return most;
 }
 
@@ -161,11 +166,12 @@ bool isSquare(const MapExtent& extent) {
 }
 
 tl::unexpected<Error> tooLarge(double width, double height, std::uint64_t most) {
-    return fail(ErrorCode::ResourceLimit,
-                fmt::format("For this map a picture of {:.0f} x {:.0f} pixels would be drawn, and the limit of this "
-                            "server is {} pixels with sides of up to {}. Ask for fewer pixels.",
-                            width, height, most, maxPictureSide),
-                "width");
+    return fail(
+        ErrorCode::ResourceLimit,
+        fmt::format("For this map a picture of {:.0f} x {:.0f} pixels would be drawn, and the limit of this "
+                    "server is {} pixels with sides of up to {}. Ask for fewer pixels.",
+                    width, height, most, maxPictureSide),
+        "width");
 }
 
 MapPicture drawnDirectly(const CloudFacts& cloud, const MapExtent& extent,
@@ -213,7 +219,8 @@ Camera cameraAbove(const CloudFacts& cloud, const glm::dvec2& middle, double vie
 
 Expected<std::optional<MapPicture>> mapPicture(const CloudFacts& cloud, const MapExtent& extent,
                                                const MapProjection& projection,
-                                               const std::optional<Rgb8>& background, const MapLimits& limits) {
+                                               const std::optional<Rgb8>& background,
+                                               const MapLimits& limits) {
     const bool isCloudsOwn = !projection.toCloud;
     const Box bounds = boundsOf(cloud);
     Box here = boundsInMap(bounds, projection);
@@ -278,7 +285,8 @@ Expected<std::optional<MapPicture>> mapPicture(const CloudFacts& cloud, const Ma
     warp->outside = background.value_or(Rgb8{0, 0, 0});
     warp->nodes = std::move(net.nodes);
     for (glm::dvec2& node : warp->nodes)
-        node = {(node.x - middle.x) / perPixel + sides.x * 0.5, (middle.y - node.y) / perPixel + sides.y * 0.5};
+        node = {(node.x - middle.x) / perPixel + sides.x * 0.5,
+                (middle.y - node.y) / perPixel + sides.y * 0.5};
     picture.warp = std::move(warp);
     return picture;
 }

@@ -37,14 +37,15 @@ struct MapProjection {
 
 /// How a picture becomes a map. Immutable.
 struct MapWarp {
-    int width = 0, height = 0;        ///< of the map
-    glm::ivec2 first{0}, size{0};     ///< its pixels that have something of the picture: the others are background
-    int step = 0;                     ///< px between nodes of the net; 0: a pixel is the picture's at `offset`
-    glm::ivec2 offset{0};             ///< of step 0
-    int columns = 0, rows = 0;        ///< nodes
+    int width = 0, height = 0;  ///< of the map
+    glm::ivec2 first{0},
+        size{0};                ///< its pixels that have something of the picture: the others are background
+    int step = 0;               ///< px between nodes of the net; 0: a pixel is the picture's at `offset`
+    glm::ivec2 offset{0};       ///< of step 0
+    int columns = 0, rows = 0;  ///< nodes
     std::vector<glm::dvec2> nodes{};  ///< places in the picture, px, of the corners of cells
-    double error = 0;                 ///< px of the picture that interpolation was off by, where it was looked at
-    Rgb8 outside{0, 0, 0};            ///< of an opaque map
+    double error = 0;       ///< px of the picture that interpolation was off by, where it was looked at
+    Rgb8 outside{0, 0, 0};  ///< of an opaque map
     bool opaque = false;
 
     /// Bilinear, with colours weighted by alpha. Cancelled.
@@ -58,9 +59,9 @@ struct MapPicture {
 };
 
 struct MapLimits {
-    int margin = 0;                   ///< px that screen passes look at around what they draw
-    std::uint64_t mostPixels = 0;     ///< of the picture
-    double mostError = 0.25;          ///< px
+    int margin = 0;                ///< px that screen passes look at around what they draw
+    std::uint64_t mostPixels = 0;  ///< of the picture
+    double mostError = 0.25;       ///< px
 };
 
 /// The camera of every map: orthographic, straight down on that middle.
@@ -70,7 +71,8 @@ Camera cameraAbove(const CloudFacts& cloud, const glm::dvec2& middle, double vie
 /// that accuracy. `background`: nullopt = transparent.
 Expected<std::optional<MapPicture>> mapPicture(const CloudFacts& cloud, const MapExtent& extent,
                                                const MapProjection& projection,
-                                               const std::optional<Rgb8>& background, const MapLimits& limits);
+                                               const std::optional<Rgb8>& background,
+                                               const MapLimits& limits);
 
 /// A map without anything in it.
 Frame emptyMap(int width, int height, const std::optional<Rgb8>& background);

@@ -36,7 +36,8 @@ Rgba sampled(const Frame& picture, const glm::dvec2& at, const Rgba& outside) {
     }
     if (sum[3] < 0.5) return {0, 0, 0, 0};
     Rgba result{};
-    for (std::size_t c = 0; c < 3; ++c) result[c] = std::uint8_t(std::lround(std::min(255.0, sum[c] / sum[3])));
+    for (std::size_t c = 0; c < 3; ++c)
+        result[c] = std::uint8_t(std::lround(std::min(255.0, sum[c] / sum[3])));
     result[3] = std::uint8_t(std::lround(std::min(255.0, sum[3])));
     return result;
 }

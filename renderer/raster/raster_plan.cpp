@@ -64,6 +64,11 @@ Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& requ
     const auto planned = plan(cloud, *view);
     if (!planned) return passOn(planned);
     raster.filter = sampleFilter(cloud, (*planned)->view.style);
+    if ((*planned)->pictured) {
+        auto pictured = std::make_shared<Cloud>(cloud);
+        pictured->octree = *(*planned)->pictured;
+        raster.pictured = std::move(pictured);
+    }
     raster.elevation.value = request.value;
     raster.elevation.fill = request.fill;
     layout.grid.block = blockSide(cloud, *grid);
@@ -77,7 +82,8 @@ Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& requ
 
 Expected<std::vector<std::byte>> elevationCells(const Cloud& cloud, const PlannedRaster& raster,
                                                 const CellWindow& block, const std::stop_token& stop) {
-    const auto heights = elevationOf(cloud, raster.filter, raster.layout.grid, block, raster.elevation, stop);
+    const auto heights = elevationOf(raster.pictured ? *raster.pictured : cloud, raster.filter,
+                                     raster.layout.grid, block, raster.elevation, stop);
     if (!heights) return passOn(heights);
     std::vector<std::byte> cells(heights->size() * sizeof(float));
     if (!cells.empty()) std::memcpy(cells.data(), heights->data(), cells.size());

@@ -2,6 +2,7 @@
 // Immutable. Pure functions; any thread. Pipeline: request + cloud → **plan** → elevation or orthophoto → TIFF.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -14,7 +15,9 @@ namespace scancast {
 struct PlannedRaster {
     RasterLayout layout{};
     ElevationOptions elevation{};
-    SampleFilter filter{};              ///< of elevation
+    SampleFilter filter{};  ///< of elevation
+    /// Of elevation whose view asks for values of columns: the cloud with what these leave. Null: the cloud itself.
+    std::shared_ptr<const Cloud> pictured{};
     std::optional<OrthoViews> ortho{};  ///< of an orthophoto
     /// Everything that the file depends on beside the cloud (and, of an orthophoto, the device), as text.
     std::string identity{};

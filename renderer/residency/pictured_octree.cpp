@@ -93,6 +93,10 @@ std::shared_ptr<SampleStore> storeOfItsOwn(std::shared_ptr<const CloudFile> file
 
 }  // namespace
 
+std::shared_ptr<const CloudFile> fileOfSamples(const Cloud& cloud) {
+    return std::make_shared<SamplesInMemory>(cloud, cloud.octree.store());
+}
+
 bool hasInnerNodes(const Octree& octree) {
     return octree.nodes().size() > 1;
 }

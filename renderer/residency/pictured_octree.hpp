@@ -16,6 +16,8 @@ namespace scancast {
 /// chooseColumns()'s; Unsupported where not all samples are in this process (ranks).
 Expected<std::shared_ptr<const Octree>> picturedOctree(const Cloud& cloud, const Style& style);
 
+/// A cloud in memory as a cloud file that does not keep it: what is asked once it is gone is Cancelled. Its store has a gate.
+std::shared_ptr<const CloudFile> fileOfSamples(const Cloud& cloud);
 /// The same of a cloud whose samples come from another store: with other colours (renderer/together).
 Expected<std::shared_ptr<const Octree>> picturedOctree(const Cloud& cloud, SampleStore& store,
                                                        const Style& style);

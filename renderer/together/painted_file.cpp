@@ -14,6 +14,7 @@ class PaintedFile final : public CloudFile {
     std::uint64_t bytes() const override { return file_->bytes(); }
     bool isRemote() const override { return file_->isRemote(); }
     bool isNative() const override { return file_->isNative(); }
+    bool countsVary() const override { return file_->countsVary(); }
     bool isAway() const override { return file_->isAway(); }
     const CloudFacts& facts() const override { return file_->facts(); }
     std::span<const BlockPlace> photoPlaces() const override { return file_->photoPlaces(); }

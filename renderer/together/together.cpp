@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <utility>
 
 #include "renderer/cloud/import/crs_meaning.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/cloud/import/crs_units.hpp"
-#include "renderer/residency/file_of.hpp"
 #include "renderer/residency/node_share.hpp"
+#include "renderer/residency/pictured_octree.hpp"
 #include "renderer/together/together_facts.hpp"
 #include "renderer/together/together_store.hpp"
 
@@ -37,21 +39,24 @@ Expected<void> checkSameSystem(const TogetherMember& own, const TogetherMember& 
     const auto b = crsMeaning(other.cloud->crsWkt, other.cloud->crsEpsg);
     if (!a || !b) return {};
     if (compare(*a, *b) == CrsRelation::Different)
-        return refuse(fmt::format("\"{}\" is in {}, and \"{}\" in {}: clouds of different coordinate reference systems "
-                                  "cannot be shown together. Bring the scans into one first.",
-                                  own.name, calledCrs(*own.cloud), other.name, calledCrs(*other.cloud)));
+        return refuse(
+            fmt::format("\"{}\" is in {}, and \"{}\" in {}: clouds of different coordinate reference systems "
+                        "cannot be shown together. Bring the scans into one first.",
+                        own.name, calledCrs(*own.cloud), other.name, calledCrs(*other.cloud)));
     const CrsUnits mine = crsUnits(own.cloud->crsWkt, own.cloud->crsEpsg);
     const CrsUnits theirs = crsUnits(other.cloud->crsWkt, other.cloud->crsEpsg);
     const auto differ = [](double one, double another) {
         return one > 0 && another > 0 && std::abs(one - another) > 1e-9 * one;
     };
     if (differ(mine.metres, theirs.metres))
-        return refuse(fmt::format("\"{}\" is in {}, and \"{}\" in {}: clouds of different units cannot be shown together.",
-                                  own.name, calledUnit(mine), other.name, calledUnit(theirs)));
-    if (differ(mine.verticalMetres, theirs.verticalMetres))
         return refuse(fmt::format(
-            "heights of \"{}\" are in {}, those of \"{}\" in {}: clouds of different units cannot be shown together.",
-            own.name, mine.verticalUnit, other.name, theirs.verticalUnit));
+            "\"{}\" is in {}, and \"{}\" in {}: clouds of different units cannot be shown together.",
+            own.name, calledUnit(mine), other.name, calledUnit(theirs)));
+    if (differ(mine.verticalMetres, theirs.verticalMetres))
+        return refuse(
+            fmt::format("heights of \"{}\" are in {}, those of \"{}\" in {}: clouds of different units "
+                        "cannot be shown together.",
+                        own.name, mine.verticalUnit, other.name, theirs.verticalUnit));
     return {};
 }
 
@@ -61,7 +66,8 @@ Expected<void> checkHere(const TogetherMember& member) {
     if (!placeOfShared(store) && (store.whole() || store.cloudFile())) return {};
     return fail(ErrorCode::Unsupported,
                 "with: the points of \"" + member.name +
-                    "\" are with other processes than this one, which draw one cloud at a time; serve the clouds with "
+                    "\" are with other processes than this one, which draw one cloud at a time; serve the "
+                    "clouds with "
                     "scancast serve to see them together.",
                 "with");
 }
@@ -78,17 +84,33 @@ std::optional<Paint> paintOf(const TogetherMember& member, std::size_t place, bo
     return std::nullopt;
 }
 
-Expected<std::shared_ptr<SampleStore>> storeOf(const TogetherMember& member, const std::optional<Paint>& paint,
-                                               const std::shared_ptr<BlockCache>& cache, const Together* like) {
-    // Painted blocks that are there already, and what devices know of them, stay.
-    if (like != nullptr && paint)
-        for (std::size_t i = 0; i < like->members.size(); ++i)
-            if (like->stores[i] && like->members[i].cloud == member.cloud && like->paints[i] == paint)
-                return like->stores[i];
-    if (!paint) return std::shared_ptr<SampleStore>(member.cloud, &member.cloud->octree.store());
-    auto file = fileOf(member.cloud);
-    if (!file) return passOn(std::move(file));
-    return cache->add(paintedFile(std::move(*file), *paint));
+using MakeStore = std::function<std::shared_ptr<SampleStore>(std::shared_ptr<const CloudFile>)>;
+
+/// Where the samples come from that are drawn of a cloud.
+Expected<std::shared_ptr<SampleStore>> storeOf(const Cloud& cloud, const std::optional<Paint>& paint,
+                                               const MakeStore& make) {
+    if (!paint) return cloud.octree.sharedStore();
+    auto file = cloud.octree.store().cloudFile();
+    if (!file) file = fileOfSamples(cloud);
+    if (auto made = make(paintedFile(std::move(file), *paint))) return made;
+    return fail(ErrorCode::Cancelled, "The clouds are not there any more.");
+}
+
+/// Painted blocks that are there already, and what devices know of them, stay.
+std::shared_ptr<SampleStore> keptStore(const Together* before, const TogetherMember& member,
+                                       const std::optional<Paint>& paint) {
+    for (std::size_t i = 0; before != nullptr && paint && i < before->members.size(); ++i)
+        if (before->stores[i] && before->members[i].cloud == member.cloud && before->paints[i] == paint)
+            return before->stores[i];
+    return nullptr;
+}
+
+MakeStore storesIn(const std::shared_ptr<BlockCache>& cache) {
+    return [cache =
+                std::weak_ptr(cache)](std::shared_ptr<const CloudFile> file) -> std::shared_ptr<SampleStore> {
+        const auto there = cache.lock();
+        return there ? there->add(std::move(file)) : nullptr;
+    };
 }
 
 /// Level by level, and in each member by member: breadth first, as all octrees are.
@@ -97,7 +119,8 @@ class Gathering {
     Gathering(const Together& together, const glm::dvec3& origin, bool markSides) {
         for (const TogetherMember& member : together.members) {
             const bool isSure = markSides && member.cloud->oriented;
-            parts_.push_back({member.cloud->octree.nodes(), member.cloud->origin + member.shift - origin, isSure, {}, 0});
+            parts_.push_back(
+                {member.cloud->octree.nodes(), member.cloud->origin + member.shift - origin, isSure, {}, 0});
             if (!isShown(member)) parts_.back().nodes = {};
         }
     }
@@ -164,7 +187,8 @@ bool hasSameSamples(const Together& a, const Together& b) {
 }  // namespace
 
 Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> members, bool byCloud,
-                                                   const std::shared_ptr<BlockCache>& cache, const Cloud* like) {
+                                                   const std::shared_ptr<BlockCache>& cache,
+                                                   const Cloud* like) {
     const Together* const before = like != nullptr ? like->together.get() : nullptr;
     std::uint64_t nodes = 0;
     for (const TogetherMember& member : members) {
@@ -175,11 +199,13 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
     }
     const std::uint64_t most = std::min(mostNodesTogether, cache->stats().limit / 4 / bytesPerNodeTogether);
     if (nodes > most)
-        return fail(ErrorCode::ResourceLimit,
-                    fmt::format("with: these clouds have {} nodes, and {} may be shown together here; hide some of them, or "
-                                "ingest them as one cloud.",
-                                nodes, most),
-                    "with");
+        return fail(
+            ErrorCode::ResourceLimit,
+            fmt::format(
+                "with: these clouds have {} nodes, and {} may be shown together here; hide some of them, or "
+                "ingest them as one cloud.",
+                nodes, most),
+            "with");
 
     auto together = std::make_shared<Together>();
     together->members = std::move(members);
@@ -192,7 +218,9 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
         together->paints.push_back(paintOf(all[i], i, byCloud, anyColors));
         auto& store = together->stores.emplace_back();
         if (!isShown(all[i])) continue;
-        auto made = storeOf(all[i], together->paints.back(), cache, before);
+        store = keptStore(before, all[i], together->paints.back());
+        if (store) continue;
+        auto made = storeOf(*all[i].cloud, together->paints.back(), storesIn(cache));
         if (!made) return passOn(std::move(made));
         store = std::move(*made);
     }
@@ -205,7 +233,9 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
     Gathering(*together, cloud->origin, !cloud->oriented).run(gathered, together->places);
     cloud->together = together;
     const bool same = before != nullptr && hasSameSamples(*together, *before);
-    cloud->octree = Octree(std::move(gathered), togetherStore(together), same ? like->octree.source() : 0);
+    auto store = togetherStore(together);
+    store->derived().setStoreMaker(storesIn(cache));
+    cloud->octree = Octree(std::move(gathered), std::move(store), same ? like->octree.source() : 0);
     return cloud;
 }
 

@@ -27,7 +27,8 @@ struct TogetherMember {
     std::shared_ptr<const Cloud> cloud;  ///< as it is by itself
     glm::dvec3 shift{0};                 ///< file units
     std::optional<Rgb8> tint{};
-    bool hidden = false;  ///< only its place in the list, and what the view's own cloud decides, are left of it
+    bool hidden =
+        false;  ///< only its place in the list, and what the view's own cloud decides, are left of it
 };
 
 struct Together {
@@ -39,9 +40,10 @@ struct Together {
     std::vector<Place> places;  ///< by the octree's nodes: whose each is, and which one there
     bool byCloud = false;       ///< samples have their cloud's colour instead of their own
 
-    std::vector<std::optional<Paint>> paints;          ///< by member: what its samples are painted with
-    std::vector<std::shared_ptr<SampleStore>> stores;  ///< by member: where they come from; empty where nothing is shown
-    std::shared_ptr<const void> counted;               ///< the memory of the nodes
+    std::vector<std::optional<Paint>> paints;  ///< by member: what its samples are painted with
+    std::vector<std::shared_ptr<SampleStore>>
+        stores;                           ///< by member: where they come from; empty where nothing is shown
+    std::shared_ptr<const void> counted;  ///< the memory of the nodes
 };
 
 /// Nodes that clouds may have together, and bytes that each takes once more then.

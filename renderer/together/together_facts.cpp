@@ -8,6 +8,8 @@
 #include <glm/common.hpp>
 #include <utility>
 
+#include "renderer/cloud/columns/column_choice.hpp"
+
 namespace scancast {
 namespace {
 
@@ -89,7 +91,8 @@ std::optional<Look> lookTogether(const Together& together, const Members& shown,
     const Camera camera = outside != look.views.end() ? outside->camera : all.defaultCamera(16.0 / 9);
     look.views = {LookView{"together", false, camera}};
     // A tint is to be seen: who colours by anything else says so.
-    const bool tinted = std::ranges::any_of(shown, [](const auto* member) { return member->tint.has_value(); });
+    const bool tinted =
+        std::ranges::any_of(shown, [](const auto* member) { return member->tint.has_value(); });
     const bool ofColors = look.style.color == ColorSource::Rgb || look.style.color == ColorSource::Auto;
     if (tinted && !ofColors) {
         look.style.color = ColorSource::Rgb;
@@ -99,12 +102,25 @@ std::optional<Look> lookTogether(const Together& together, const Members& shown,
     return look;
 }
 
-/// What was read into memory has nothing beside its samples once they are painted (residency/file_of.hpp).
-bool keepsBeside(const Together& together) {
-    for (std::size_t i = 0; i < together.members.size(); ++i)
-        if (together.stores[i] && together.paints[i] && together.members[i].cloud->octree.store().whole())
+/// Those that all have, over the values of all.
+void addColumns(const Members& shown, CloudFacts& facts) {
+    facts.columns.clear();
+    for (const std::size_t c : choosableColumns(*shown.front()->cloud)) {
+        KeptColumn column = shown.front()->cloud->columns[c];
+        column.histogram.reset();
+        const bool all = std::ranges::all_of(shown, [&](const TogetherMember* member) {
+            for (const std::size_t other : choosableColumns(*member->cloud)) {
+                const KeptColumn& theirs = member->cloud->columns[other];
+                if (theirs.column.name != column.column.name) continue;
+                column.range = aroundRange(column.range, theirs.range);
+                if (!theirs.usual) column.usual.reset();
+                if (column.usual) column.usual = aroundRange(*column.usual, *theirs.usual);
+                return true;
+            }
             return false;
-    return true;
+        });
+        if (all) facts.columns.push_back(std::move(column));
+    }
 }
 
 void addAttributes(const Together& together, const Members& shown, CloudFacts& facts) {
@@ -119,9 +135,8 @@ void addAttributes(const Together& together, const Members& shown, CloudFacts& f
     attributes.normal = all([](const auto* m) { return m->cloud->attributes.normal; });
     facts.constant = {};
     facts.companions.clear();
-    const bool beside = keepsBeside(together);
-    attributes.nearInfrared = beside && all([](const auto* m) { return hasNearInfrared(*m->cloud); });
-    if (beside && all([](const auto* m) { return hasCurvature(*m->cloud); }))
+    attributes.nearInfrared = all([](const auto* m) { return hasNearInfrared(*m->cloud); });
+    if (all([](const auto* m) { return hasCurvature(*m->cloud); }))
         facts.companions.push_back(curvaturePlane());
     if (attributes.nearInfrared) facts.companions.push_back(nearInfraredPlane());
     facts.surfels = all([](const auto* m) { return m->cloud->surfels; });
@@ -144,7 +159,8 @@ void addRanges(const Members& shown, CloudFacts& facts) {
         const Cloud& cloud = *member->cloud;
         facts.points += cloud.points;
         facts.droppedPoints += cloud.droppedPoints;
-        for (std::size_t i = 0; i < facts.classCounts.size(); ++i) facts.classCounts[i] += cloud.classCounts[i];
+        for (std::size_t i = 0; i < facts.classCounts.size(); ++i)
+            facts.classCounts[i] += cloud.classCounts[i];
         facts.spacing = std::max(facts.spacing, cloud.spacing);
         if (cloud.attributes.intensity || cloud.constant.intensity)
             intensity = intensity ? aroundRange(*intensity, cloud.intensityRange) : cloud.intensityRange;
@@ -169,10 +185,11 @@ std::string revisionOf(const Together& together) {
     std::string all = together.byCloud ? "by cloud" : "";
     for (std::size_t i = 0; i < together.members.size(); ++i) {
         const TogetherMember& member = together.members[i];
-        all += fmt::format("\n{} {:a} {:a} {:a} {}", member.cloud->revision, member.shift.x, member.shift.y, member.shift.z,
-                           member.hidden);
+        all += fmt::format("\n{} {:a} {:a} {:a} {}", member.cloud->revision, member.shift.x, member.shift.y,
+                           member.shift.z, member.hidden);
         if (const auto& paint = together.paints[i])
-            all += fmt::format(" {} {} {} {}", paint->color[0], paint->color[1], paint->color[2], paint->covers);
+            all +=
+                fmt::format(" {} {} {} {}", paint->color[0], paint->color[1], paint->color[2], paint->covers);
     }
     const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
@@ -199,6 +216,7 @@ CloudFacts factsTogether(const Together& together) {
     if (!shown.empty()) {
         addAttributes(together, shown, facts);
         addRanges(shown, facts);
+        addColumns(shown, facts);
     } else {
         facts.bounds = boundsOf(own);
         facts.points = 0;

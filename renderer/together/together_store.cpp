@@ -16,8 +16,8 @@ std::uint64_t newWaiter() {
 
 /// Of nodes that are asked for together, those of one store.
 struct PartOfNodes {
-    std::vector<std::uint32_t> nodes;   ///< as the store knows them
-    std::vector<std::size_t> places;  ///< in what was asked for
+    std::vector<std::uint32_t> nodes;  ///< as the store knows them
+    std::vector<std::size_t> places;   ///< in what was asked for
 };
 
 class TogetherStore final : public SampleStore {

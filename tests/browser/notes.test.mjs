@@ -86,6 +86,15 @@ describe('notes, saved views and tours', { timeout: 290_000 }, () => {
     let [note] = (await kept(page)).annotations;
     assert.deepEqual([note.title, note.text, note.link], ['Drain', 'Blocked.', 'https://example.org/drain']);
     assert.ok(isNear(note.point, at(6, 6)), JSON.stringify(note.point));
+    // Escape leaves a field, which keeps what was written; the note stays open, and its row has the focus.
+    await page.focus('#note-list textarea');
+    await page.keyboard.press('End');
+    await page.keyboard.type(' Since May.');
+    await page.keyboard.press('Escape');
+    assert.match(await page.evaluate(() => document.activeElement.dataset.key), /^row-/);
+    assert.ok(await page.isVisible('#note-list textarea'));
+    assert.equal((await kept(page)).annotations[0].text, 'Blocked. Since May.');
+    await page.fill('#note-list textarea', 'Blocked.');
     await page.click('#note-list-title'); // away from the fields
     assert.equal(await page.getAttribute('#note-list a', 'href'), 'https://example.org/drain');
     assert.equal(await page.textContent('#notes .label'), 'Drain');

@@ -224,7 +224,11 @@ describe('values, and clouds together', { timeout: 290_000 }, () => {
 
   it('the dialog of exports has the addresses of maps in the present look, and says how large a raster will be', async () => {
     await open('#cloud=ring&color=elevation&filter=return_number:1..1');
-    await page.route('**/points', (route) => route.fulfill({ status: 200, contentType: 'text/csv', body: 'x,y,z\n' }));
+    const regions = [];
+    await page.route('**/points', (route) => {
+      regions.push(route.request().postDataJSON().region);
+      return route.fulfill({ status: 200, contentType: 'text/csv', body: 'x,y,z\n' });
+    });
     const asked = [];
     await page.route('**/*.tif*', (route) => {
       asked.push(new URL(route.request().url()));
@@ -233,6 +237,10 @@ describe('values, and clouds together', { timeout: 290_000 }, () => {
     await page.addInitScript(() => { globalThis.showSaveFilePicker = undefined; });
     await page.evaluate(() => { globalThis.showSaveFilePicker = undefined; });
     await page.click('#tool-export');
+    await isTrue(() => regions.length > 0, 'it is counted');
+    assert.deepEqual(regions.at(-1), { filter: [{ column: 'return_number', low: 1, high: 1 }] });
+    await page.uncheck('#export-filter');
+    await isTrue(() => regions.length > 1 && regions.at(-1) === undefined, 'all of the scan');
     await page.click('#map-services summary');
     const wms = new URL(await page.inputValue('#map-wms'));
     assert.equal(wms.pathname, '/api/v1/clouds/ring/wms');

@@ -43,7 +43,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (const auto* map = std::get_if<MapRequest>(&*wms)) check(*map);
         if (const auto* feature = std::get_if<FeatureRequest>(&*wms)) {
             check(feature->map);
-            require(feature->i < feature->map.width && feature->j < feature->map.height && feature->i >= 0 && feature->j >= 0);
+            require(feature->i < feature->map.width && feature->j < feature->map.height && feature->i >= 0 &&
+                    feature->j >= 0);
         }
         return 0;
     }
@@ -55,7 +56,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     // set/z/x/y?query
     std::string_view parts[4], rest = text.substr(0, text.find('?'));
-    const std::string_view query = rest.size() < text.size() ? text.substr(rest.size() + 1) : std::string_view();
+    const std::string_view query =
+        rest.size() < text.size() ? text.substr(rest.size() + 1) : std::string_view();
     for (std::string_view& part : parts) {
         part = rest.substr(0, rest.find('/'));
         rest = part.size() < rest.size() ? rest.substr(part.size() + 1) : std::string_view();

@@ -49,11 +49,17 @@ class OpenApiTest : public ServerTest {
             {"guests", "vN4xT0qLr8Yk-5WcZsHd_2GmPfJ7uBaE"}};  // that signed the example
         start();
         for (const char* id : {"town", "old-town"})
-            server->catalog().setReady(server->catalog().add(id), withPhotos(*one));
+            server->catalog().setReady(server->catalog().add(id), inBerlin(withPhotos(*one)));
         server->admin().loadWith([](const auto&, const auto&) { return true; });
         document = parseJson(request(port(), "/openapi.json").body).value();
     }
 
+    /// Maps need to know where in the world a cloud is.
+    static std::shared_ptr<const Cloud> inBerlin(const std::shared_ptr<const Cloud>& cloud) {
+        auto placed = std::make_shared<Cloud>(*cloud);
+        placed->crsEpsg = 25833;
+        return placed;
+    }
     /// `path` with the examples of its placeholders, or, of a session, one that lives.
     std::string addressOf(std::string path, const json& operation) {
         const bool ofSession = path.find("/sessions/") != std::string::npos;

@@ -14,7 +14,7 @@ import scancast
 
 PAGE_URL = "http://127.0.0.1:8080/"
 #: What a server has to have for a call, where it may be older than that.
-ROUTES = {"points": r"\.(?:open|save)?_?points\(", "profile": r"profile(?:_picture)?\(", "measure": r"\.measure\("}
+ROUTES = {"points": r"\.(?:open|save)?_?points\(", "profile": r"profile(?:_picture)?\(", "measure": r"\.measure\(", "dem.tif": r"dem\(", "ortho.tif": r"\.ortho\("}
 
 
 def text_of(*path):

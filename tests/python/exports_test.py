@@ -123,6 +123,16 @@ class Files(Answering):
             self.assertLessEqual(len(_exports.strings_of(strange)), 64)
 
 
+class Places(Answering):
+    def test_what_is_asked_and_what_is_answered(self):
+        places = self.answered(lambda cloud: cloud.lonlat([(389500, 5819800), (0, 0)]), b'{"points": [[13.25, 52.5], null], "crs": null}', b"Content-Length: 46\r\n")
+        self.assertEqual(places, [(13.25, 52.5), None])
+        self.assertEqual(self.asked, ("/api/v1/clouds/a%20town/lonlat", {"to": "lonlat", "points": [[389500, 5819800], [0, 0]]}))
+        for lie in (b"[]", b'{"points": []}', b'{"points": [[1]]}'):
+            with self.assertRaises(scancast.BadAnswer):
+                self.answered(lambda cloud: cloud.lonlat([(1, 2)], "file"), lie, b"Content-Length: %d\r\n" % len(lie))
+
+
 class Measurements(Answering):
     def test_what_is_asked_and_what_is_answered(self):
         measured = self.answered(lambda cloud: cloud.measure("volume", [(0, 0), (1, 0), (1, 1)], base=3.5, classes=[6]),

@@ -96,6 +96,36 @@ class PointsOfAServer(support.Served):
         self.assertAlmostEqual(picture.length, numpy.linalg.norm(end - start), 6)
         self.assertLess(picture.bottom, picture.top)
 
+    def test_rasters_have_what_brute_force_finds(self):
+        self.needs_route("dem.tif")
+        for value in ("highest", "lowest", "mean", "count"):
+            raster = self.cloud.dem(cell=4, value=value, classes=[2, 6], outliers="show")
+            cells = raster.array()
+            self.assertEqual(cells.shape, (raster.rows, raster.columns))
+            truth = self.truth[numpy.isin(self.truth["classification"], [2, 6])]
+            column = numpy.floor((truth["x"] - raster.left) / raster.cell).astype(int)
+            row = numpy.floor((raster.top - truth["y"]) / raster.cell).astype(int)
+            count = numpy.zeros(cells.shape)
+            numpy.add.at(count, (row, column), 1)
+            if value == "count":
+                self.assertTrue((cells == count).all())
+                continue
+            expected = numpy.full(cells.shape, {"highest": -numpy.inf, "lowest": numpy.inf, "mean": 0.0}[value])
+            {"highest": numpy.maximum, "lowest": numpy.minimum, "mean": numpy.add}[value].at(expected, (row, column), truth["z"])
+            if value == "mean":
+                expected /= numpy.maximum(count, 1)
+            self.assertTrue((numpy.isnan(cells) == (count == 0)).all())
+            self.assertLess(numpy.nanmax(abs(cells - expected)[count > 0]), 1e-5)
+        path = os.path.join(self.folder, "dem.tif")
+        self.cloud.save_dem(path, cell=4, compress="deflate")
+        self.assertGreater(os.path.getsize(path), 1000)
+        photo = self.cloud.ortho(cell=2, color="elevation")
+        pixels = photo.array()
+        self.assertEqual(pixels.shape, (photo.rows, photo.columns, 4))
+        self.assertGreater((pixels[..., 3] > 0).mean(), 0.1)
+        with self.assertRaisesRegex(scancast.InvalidArgument, "cell"):
+            self.cloud.dem(cell=0)
+
     def test_measurements(self):
         self.needs_route("measure")
         self.assertEqual(self.cloud.measure("distance", [(389499, 5819799, 34), (389502, 5819803, 34)]).length, 5.0)

@@ -21,6 +21,8 @@ void addProfile(CLI::App& app, int& exitCode);
 void addView(CLI::App& app, int& exitCode);
 void addPick(CLI::App& app, int& exitCode);
 void addMeasure(CLI::App& app, int& exitCode);
+void addMap(CLI::App& app, int& exitCode);
+void addLonLat(CLI::App& app, int& exitCode);
 void addRasters(CLI::App& app, int& exitCode);  ///< dem and ortho
 
 /// What every subcommand needs to know.

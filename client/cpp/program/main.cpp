@@ -35,6 +35,8 @@ int main(int argc, char** argv) {
     scancast::client::addBench(app, exitCode);
     scancast::client::addPick(app, exitCode);
     scancast::client::addMeasure(app, exitCode);
+    scancast::client::addMap(app, exitCode);
+    scancast::client::addLonLat(app, exitCode);
     scancast::client::addRasters(app, exitCode);
     try {
         app.parse(argc, argv);

@@ -17,6 +17,7 @@ It needs nothing but Python's own library; NumPy and Pillow make arrays and imag
 of a view are the protocol's (protocol/PROTOCOL.md) in snake_case. What goes wrong is a ScancastError.
 """
 from ._exports import Measured, PointStream, ProfilePicture, Saved
+from ._rasters import Raster
 from .cloud import Cloud, Page
 from .errors import (BadAnswer, Conflict, ConnectionFailed, DeadlineExceeded, FieldError, Forbidden, Impossible, InvalidArgument, MissingLibrary,
                      NotFound, Refused, ScancastError, ServerFault, TimedOut, TooLarge, TooManyRequests, Unauthorized, Unavailable)
@@ -33,6 +34,6 @@ __all__ = [
     "Attribute", "BadAnswer", "Bounds", "Cloud", "CloudFacts", "Column", "Conflict", "ConnectionFailed", "Crs", "DeadlineExceeded", "DepthCells", "DepthPicture",
     "FieldError", "Forbidden", "Frame", "Impossible", "InvalidArgument", "Live", "LiveView", "Look", "LookView", "Method", "Methods", "Measured", "Mirror",
     "MissingLibrary", "NamedView", "NotFound", "Page", "Parameter", "PendingCloud", "Photo", "PhotoAngles", "PhotoStation", "PickedPoint",
-    "Picture", "PointStream", "Pose", "ProfilePicture", "Refused", "Saved", "ScancastError", "Server", "ServerFault", "Station", "TimedOut", "TooLarge", "TooManyRequests",
+    "Picture", "PointStream", "Pose", "ProfilePicture", "Raster", "Refused", "Saved", "ScancastError", "Server", "ServerFault", "Station", "TimedOut", "TooLarge", "TooManyRequests",
     "Unauthorized", "Unavailable",
 ]

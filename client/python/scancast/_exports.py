@@ -268,6 +268,25 @@ class PointsOfCloud:
         return ProfilePicture(answer.body, said.text("Content-Type"), etag=said.text("ETag"), facts=facts, left=left, right=right, bottom=bottom,
                               top=top, length=length)
 
+    # ---- where in the world
+
+    def lonlat(self, points: Sequence[Sequence[float]], to: str = "lonlat") -> List[Optional[Tuple[float, float]]]:
+        """File coordinates as longitudes and latitudes (WGS 84, degrees), or, ``to="file"``, the other way round; None for a place that has none.
+
+        >>> cloud.lonlat([(389500, 5819800)])                                # doctest: +SKIP
+        [(13.3715, 52.5171)]
+        """
+        if to not in ("lonlat", "file"):
+            raise ValueError(f"to is lonlat or file, not {to!r}")
+        asked = [[float(value) for value in point] for point in points]
+        told = self._transport.json("POST", self._path("lonlat"), {"to": to, "points": asked})
+        places = told.get("points") if isinstance(told, dict) else None
+        if not isinstance(places, list) or len(places) != len(asked):
+            raise errors.BadAnswer("the server's answer is not as the protocol has it: there are not as many places as were asked for")
+        if not all(place is None or isinstance(place, list) and len(place) == 2 for place in places):
+            raise errors.BadAnswer("the server's answer is not as the protocol has it: a place is two numbers, or null")
+        return [None if place is None else (float(place[0]), float(place[1])) for place in places]
+
     # ---- measurements
 
     def measure(self, measure: str, points: Sequence[Vector], *, base: Union[float, str, None] = None, surface: Optional[str] = None,

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple
 from urllib.parse import quote
 
 from . import errors, words
-from ._values import camel, plain
+from ._values import camel, number_text, plain
 from .words import AnyView, view_json
 from ._decode import decode, decode_list
 from ._exports import PointsOfCloud
 from ._http import Answer, Transport
+from ._rasters import RastersOfCloud
 from .facts import Attribute, Bounds, CloudFacts, NamedView, Photo, PickedPoint, Station
 from .picture import MEDIA_TYPES, DepthPicture, Path, Picture
 
@@ -43,7 +44,7 @@ class Page:
                 f'allow="fullscreen"></iframe>')
 
 
-class Cloud(PointsOfCloud):
+class Cloud(PointsOfCloud, RastersOfCloud):
     """A cloud. Of its facts, those that are used most stand here; ``facts`` has all, as they were when the cloud was asked for.
 
     Keyword arguments of ``snapshot``, ``depth``, ``pick`` and so on are the words of a view (PROTOCOL.md, "One vocabulary for a view") in
@@ -192,6 +193,29 @@ class Cloud(PointsOfCloud):
         picture = self.snapshot(view, format=ending, **given)
         picture.save(path)
         return picture
+
+    def map(self, box: Sequence[float], width: int, height: int, *, crs: str = "file", format: str = "png", transparent: bool = True,
+            **given: "Unpack[ViewWords]") -> Picture:
+        """A map from straight above (docs/maps.md): `box` is left, bottom, right, top, in `crs` - the cloud's own coordinates, ``EPSG:3857``,
+        ``CRS:84`` … -, x and y in this order in every one.
+
+        >>> cloud.map((389400, 5819700, 389600, 5819900), 1000, 1000, color="elevation").save("map.png")   # doctest: +SKIP
+        """
+        if format not in MEDIA_TYPES:
+            raise ValueError(f"format is png or jpg, not {format!r}")
+        edges = [number_text(float(edge)) for edge in box]
+        if len(edges) != 4:
+            raise ValueError("box is four numbers: left, bottom, right, top")
+        pairs = [("SERVICE", "WMS"), ("VERSION", "1.1.1"), ("REQUEST", "GetMap"), ("SRS", crs), ("BBOX", ",".join(edges)),
+                 ("WIDTH", str(width)), ("HEIGHT", str(height)), ("FORMAT", MEDIA_TYPES[format]), ("TRANSPARENT", "TRUE" if transparent else "FALSE"),
+                 ("EXCEPTIONS", "application/problem+json")]
+        asked = self._path("wms") + "?" + words.query(pairs + words.words_text(words.view_of(given)))
+        answer = self._transport.ask("GET", asked, limit=_most_bytes({"width": width, "height": height}))
+        said = answer.headers
+        if not said.text("Content-Type").startswith("image/"):
+            raise errors.BadAnswer(f"{self._transport.address.authority} answered with {said.text('Content-Type') or 'nothing'} in place of a picture")
+        return Picture(answer.body, said.text("Content-Type"), said.text("Scancast-Method"), "", said.text("ETag"),
+                       _count(said.get("Scancast-Damaged")), said.text("Server-Timing"), _float(said.get("Scancast-Price")))
 
     def depth_picture(self, view: AnyView = None, **given: "Unpack[ViewWords]") -> DepthPicture:
         """How far what is seen is, pixel by pixel; its bytes need no NumPy."""

@@ -11,6 +11,7 @@ export const card = `
       <label class="row"><input type="radio" name="export-region" value="polygon"><span data-text="regions.polygon"></span></label>
       <select id="export-outline" data-label="outline" hidden></select>
       <label class="row" id="export-classes-row"><input type="checkbox" id="export-classes" checked><span data-text="classes"></span></label>
+      <label class="row" id="export-filter-row"><input type="checkbox" id="export-filter" checked><span data-text="filter"></span></label>
     </fieldset>
     <div class="row field"><label for="export-format" data-text="format"></label><select id="export-format"></select></div>
     <label class="row" data-tip="normalsTip"><input type="checkbox" id="export-normals"><span data-text="normals"></span></label>

@@ -51,7 +51,7 @@ export class Exporting {
 
   open() {
     if (!this.#viewer.cloud || find('exporting').open) return;
-    const { classes, shapes } = limitsOf(this.#viewer.view);
+    const { classes, shapes, filter } = limitsOf(this.#viewer.view);
     this.#outlines = this.#page.outlines();
     const radio = (value) => find('exporting').querySelector(`[value=${value}]`);
     for (const [value, isThere, why] of [['shapes', shapes, words.noShapes], ['polygon', this.#outlines.length > 0, words.noPolygon]]) {
@@ -61,6 +61,7 @@ export class Exporting {
     radio(shapes ? 'shapes' : 'all').checked = true;
     find('export-outline').replaceChildren(...this.#outlines.map(({ name }, i) => element('option', { value: String(i), textContent: name })).reverse());
     find('export-classes-row').hidden = !classes;
+    find('export-filter-row').hidden = !filter;
     find('export-state').textContent = '';
     this.#maps.show();
     find('exporting').showModal();
@@ -71,7 +72,7 @@ export class Exporting {
   get #question() {
     const which = find('exporting').querySelector('[name=export-region]:checked').value;
     const region = regionOf(this.#viewer.view, {
-      shapes: which === 'shapes', classes: find('export-classes').checked, polygon: which === 'polygon' ? this.#outlines[Number(find('export-outline').value)]?.points : undefined,
+      shapes: which === 'shapes', classes: find('export-classes').checked, filter: find('export-filter').checked, polygon: which === 'polygon' ? this.#outlines[Number(find('export-outline').value)]?.points : undefined,
     });
     return { format: find('export-format').value, ...(region ? { region } : {}), ...(find('export-normals').checked ? { normals: true } : {}) };
   }

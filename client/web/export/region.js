@@ -1,24 +1,29 @@
 // Which points of a scan somebody wants, in the words of `POST /clouds/{id}/points` and `…/profile`: what a view shows of it, by classes, boxes and
 // shapes; a polygon that has been measured. Pure.
 
+import { columnOf } from '../protocol/view_words.js';
+
 /** Columns that stand beside colours in a view and mean nothing for points. */
 const coloursOfPoints = ['auto', 'rgb', 'intensity', 'elevation', 'classification', 'normal'];
 
 const hasShapes = (view) => Boolean(view?.clip) || (view?.clips?.length ?? 0) > 0;
 const hasClasses = (view) => view?.classes !== undefined && view.classes !== null && view.classes !== '';
 
-/** What a view leaves of the scan: { classes, shapes }, each whether it takes something away. */
-export const limitsOf = (view) => ({ classes: hasClasses(view), shapes: hasShapes(view) });
+const hasFilter = (view) => (view?.filter?.length ?? 0) > 0;
+
+/** What a view leaves of the scan: { classes, shapes, filter }, each whether it takes something away. */
+export const limitsOf = (view) => ({ classes: hasClasses(view), shapes: hasShapes(view), filter: hasFilter(view) });
 
 /**
  * The region; undefined for all of the scan. `wanted`: { classes: only those that the view shows, shapes: only what its boxes and shapes leave,
- * polygon: [[x, y], …] }
+ * filter: only the values that it shows, polygon: [[x, y], …] }
  */
-export function regionOf(view, wanted = { classes: true, shapes: true }) {
+export function regionOf(view, wanted = { classes: true, shapes: true, filter: true }) {
   const region = {};
   if (wanted.shapes && view?.clip) region.clip = view.clip;
   if (wanted.shapes && view?.clips?.length > 0) region.clips = view.clips;
   if (wanted.classes && hasClasses(view)) region.classes = view.classes;
+  if (wanted.filter && hasFilter(view)) region.filter = view.filter;
   if (wanted.polygon) region.polygon = wanted.polygon.map(([x, y]) => [x, y]);
   return Object.keys(region).length > 0 ? region : undefined;
 }
@@ -27,7 +32,7 @@ export function regionOf(view, wanted = { classes: true, shapes: true }) {
 export function coloursOf(view) {
   const color = view?.color;
   const plain = typeof color === 'string' ? color.replace('*intensity', '') : '';
-  if (!coloursOfPoints.includes(plain) && !plain.startsWith('#')) return {};
+  if (!coloursOfPoints.includes(plain) && !plain.startsWith('#') && columnOf(plain) === undefined) return {};
   return Object.fromEntries(['color', 'colormap', 'range', 'exposure'].filter((word) => view[word] !== undefined && view[word] !== null).map((word) => [word, view[word]]));
 }
 

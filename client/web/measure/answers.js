@@ -5,7 +5,7 @@ import { fits } from './fits.js';
 import { kinds } from './values.js';
 
 /** What of a view decides which points count. */
-const counting = ['classes', 'clip', 'clips', 'outliers', 'mirrors', 'behindMirrors'];
+const counting = ['classes', 'clip', 'clips', 'filter', 'outliers', 'mirrors', 'behindMirrors'];
 
 /** The question, as `POST /clouds/{id}/measure` has it. Pure. */
 export function questionOf({ kind, points, option }, view) {

@@ -55,10 +55,12 @@ export class Coordinates {
     this.#element.dataset.exact = 'false';
   }
 
-  /** A picked point. */
-  exact(point, step, cursor) {
-    const { cloud } = this.#viewer;
-    this.#put(words.exact([axesText(point, step), systemText(cloud)].filter(Boolean).join(' '), stepText(step, cloud)));
+  /** A picked point; `id`: of the cloud that it is of, where several are shown together. */
+  exact(point, step, cursor, id = undefined) {
+    const { cloud, catalog } = this.#viewer;
+    const of = id && id !== cloud.id && catalog.clouds.find((one) => one.id === id);
+    const text = words.exact([axesText(point, step), systemText(cloud)].filter(Boolean).join(' '), stepText(step, cloud));
+    this.#put(of ? words.of(text, of.title || of.id) : text);
     this.#element.dataset.exact = 'true';
     this.#held = cursor;
   }

@@ -191,7 +191,7 @@ export class Measuring {
     if (draft !== this.#draft || !draft.places.includes(place)) return; // given up meanwhile
     draft.settle(place, found);
     if (found) {
-      this.#reading.coordinates.exact(found.position, stepOf(found), cursor);
+      this.#reading.coordinates.exact(found.position, stepOf(found), cursor, found.cloud);
       this.#panel.say(words.said.point(draft.places.indexOf(place) + 1, axesText(found.position, stepOf(found))));
     }
     this.#settled();

@@ -58,7 +58,7 @@ export class Reading {
     clearTimeout(this.#click);
     this.#click = setTimeout(async () => {
       const found = await this.#viewer.pickAt(cursor).catch(() => undefined);
-      if (found && !this.#tool) this.coordinates.exact(found.position, stepOf(found), cursor);
+      if (found && !this.#tool) this.coordinates.exact(found.position, stepOf(found), cursor, found.cloud);
     }, clickMs);
   }
 }

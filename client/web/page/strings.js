@@ -375,6 +375,7 @@ export const strings = {
   coordinates: {
     about: (place) => `≈ ${place}`,
     exact: (place, step) => `${place} · exact to ${step}`,
+    of: (text, name) => `${text} · ${name}`,
   },
 
   /** What the methods' parameters are called; those that are not here are called what the server calls them. */

@@ -9,7 +9,6 @@ const numbers = (values) => values.map(number).join(',');
 
 const plainNumber = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 const shortName = /^[A-Za-z0-9._-]{1,64}$/;
-const shortCloud = /^[A-Za-z0-9._-]{1,80}$/;
 const columnName = /^\P{Cc}{1,256}$/u; // the file's own word
 const parameterName = /^[A-Za-z0-9]{1,64}$/;
 const hexColor = /^#?[0-9a-f]{6}$/i;
@@ -151,7 +150,7 @@ const filters = listWord(mostFilters, readFilter, printFilter);
 /** A cloud that is shown together with this one; `.` is this one itself. */
 function readMember(text) {
   const [id, ...parts] = text.split(',');
-  if (!shortCloud.test(id)) return undefined;
+  if (id !== '.' && !shortName.test(id)) return undefined;
   const member = { cloud: id };
   for (const part of parts) {
     const [key, ...values] = part.split(':');
@@ -183,7 +182,7 @@ const table = [
   open('range', tuple(2, ([low, high]) => low < high)), open('shading', named),
   plain('mirrors', flag), plain('behindMirrors', flag), plain('background', background), open('detail', numeric(0, 1024)),
   rare(open('exposure', numeric(-3, 3))), rare(open('classes', classes)), rare(open('clip', box)), rare(open('clips', shapes)),
-  rare(open('filter', filters)), rare(plain('with', { read: (text) => (text === 'none' ? null : members.read(text)), print: members.print })),
+  rare(open('filter', filters)), rare(open('with', members)),
   light('ambient', share), light('headlight', share), light('sunlight', share), light('shine', share), light('shadow', share),
   { ...light('occlusion', share), auto: true },
   { ...light('sun', tuple(2, ([around, above]) => Math.abs(around) <= 360 && above >= 0 && above <= 90)), auto: true },

@@ -22,8 +22,8 @@ const searchedFrom = 8; // so many others are found without
 export function reasonAgainst(own, other) {
   if (other.state === 'failed') return words.reasons.failed;
   if (!other.bounds) return words.reasons.loading;
-  const [mine, theirs] = [own, other].map(({ crsEpsg, crsName, crsWkt }) => crsEpsg || crsName || crsWkt || '');
-  return mine && theirs && String(mine) !== String(theirs) ? words.reasons.crs(other.crsName || `EPSG:${other.crsEpsg}`) : '';
+  const key = ['crsEpsg', 'crsName', 'crsUnit'].find((name) => own[name] && other[name]); // who says nothing is taken by the other's word
+  return key && own[key] !== other[key] ? words.reasons.crs(other.crsName || `EPSG:${other.crsEpsg}`) : '';
 }
 
 /** How far two boxes are apart; 0 where they overlap. */

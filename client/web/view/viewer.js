@@ -188,15 +188,16 @@ export class Viewer extends EventTarget {
   }
 
   /**
-   * The point of the scan that is seen under a cursor, as the protocol has it ("A picked point"); null where there is none. Rejects
-   * with what the server refuses with.
+   * The point of the scan that is seen under a cursor, as the protocol has it ("A picked point"); null where there is none. Of a cloud that is
+   * shifted, `position` is where it is seen, as everything else is that is drawn there. Rejects with what the server refuses with.
    */
   async pickAt({ x, y }) {
     const { size: { width, height }, cssSize } = this.#picture;
     if (x < 0 || y < 0 || x >= cssSize.width || y >= cssSize.height || !this.pickable({ x, y })) return null;
     const scale = width / cssSize.width;
     const { cloud, ...view } = this.view;
-    return this.server.pick(cloud, { ...view, width, height }, { x: x * scale, y: y * scale });
+    const found = await this.server.pick(cloud, { ...view, width, height }, { x: x * scale, y: y * scale });
+    return found?.shift ? { ...found, position: found.position.map((value, axis) => Number((value + found.shift[axis]).toPrecision(15))) } : found;
   }
 
   // ---- what one may do

@@ -10,7 +10,8 @@ namespace {
 constexpr std::uint64_t ownCacheBytes = std::uint64_t(256) << 20;
 
 bool isSame(const TogetherMember& a, const TogetherMember& b) {
-    return a.name == b.name && a.cloud == b.cloud && a.shift == b.shift && a.tint == b.tint && a.hidden == b.hidden;
+    return a.name == b.name && a.cloud == b.cloud && a.shift == b.shift && a.tint == b.tint &&
+           a.hidden == b.hidden;
 }
 
 }  // namespace
@@ -40,7 +41,8 @@ Expected<std::shared_ptr<const Cloud>> TogetherClouds::of(std::vector<TogetherMe
     const auto like = std::ranges::find_if(clouds_, [&](const auto& cloud) {
         return cloud->together->members.front().cloud == members.front().cloud;
     });
-    auto made = putTogether(std::move(members), byCloud, cache_, like == clouds_.end() ? nullptr : like->get());
+    auto made =
+        putTogether(std::move(members), byCloud, cache_, like == clouds_.end() ? nullptr : like->get());
     if (!made) return made;
     clouds_.push_front(*made);
     std::uint64_t nodes = 0;

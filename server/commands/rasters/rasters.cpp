@@ -48,6 +48,12 @@ struct RasterArguments {
 Expected<RasterRequest> checkedRequest(const RasterArguments& arguments) {
     auto request = arguments.words.request();
     if (!request) return request;
+    for (const auto& [word, text] : request->view)
+        if (word == "with")
+            return fail(
+                ErrorCode::InvalidArgument,
+                "with: an orthophoto of several clouds is a server's to make: scancast-client ortho --with",
+                "with");
     if (arguments.output == "-") {
         if (isatty(STDOUT_FILENO))
             return fail(ErrorCode::InvalidArgument,

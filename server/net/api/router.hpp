@@ -95,8 +95,8 @@ inline constexpr std::array routes{
     // Maps (server/net/maps/); their services answer errors in XML.
     RouteInfo{Route::Wms, "/api/v1/clouds/{id}/wms", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Wmts, "/api/v1/clouds/{id}/wmts", "GET, HEAD", Need::Guest, false},
-    RouteInfo{Route::WmtsCapabilities, "/api/v1/clouds/{id}/wmts/1.0.0/WMTSCapabilities.xml", "GET, HEAD", Need::Guest,
-              false},
+    RouteInfo{Route::WmtsCapabilities, "/api/v1/clouds/{id}/wmts/1.0.0/WMTSCapabilities.xml", "GET, HEAD",
+              Need::Guest, false},
     RouteInfo{Route::MapTile, "/api/v1/clouds/{id}/tiles/{set}/{z}/{x}/{y}", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::LonLat, "/api/v1/clouds/{id}/lonlat", "POST", Need::Guest, true},
     RouteInfo{Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD", Need::Guest, false},

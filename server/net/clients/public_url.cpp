@@ -11,8 +11,8 @@ constexpr std::size_t longestPrefix = 200;
 /// What a path has that needs no escaping, anywhere.
 bool isPath(std::string_view text) {
     return text.size() <= longestPrefix && text.starts_with('/') && std::ranges::all_of(text, [](char c) {
-               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' ||
-                      c == '-' || c == '_' || c == '.' || c == '~';
+               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '/' || c == '-' || c == '_' || c == '.' || c == '~';
            });
 }
 

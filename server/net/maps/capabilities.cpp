@@ -16,7 +16,8 @@ std::optional<MapBounds> boundsIn(WorldCrs world, const MapBounds& bounds, const
     std::vector<glm::dvec2> places;
     for (int row = 0; row < placesOfEdge; ++row)
         for (int column = 0; column < placesOfEdge; ++column)
-            places.push_back(bounds[0] + (bounds[1] - bounds[0]) * (glm::dvec2(column, row) / double(placesOfEdge - 1)));
+            places.push_back(bounds[0] +
+                             (bounds[1] - bounds[0]) * (glm::dvec2(column, row) / double(placesOfEdge - 1)));
     geo.fromFile(world, places);
     constexpr double everything = std::numeric_limits<double>::infinity();
     MapBounds found{glm::dvec2(everything), glm::dvec2(-everything)};

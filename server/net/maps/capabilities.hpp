@@ -19,13 +19,13 @@ using MapBounds = std::array<glm::dvec2, 2>;  ///< low, high
 /// All that is told.
 struct MapFacts {
     std::string layer, title, attribution;
-    std::string address;               ///< of the cloud: "https://scans.example.org/api/v1/clouds/town"
-    WordValues words;                  ///< of a view, that addresses shall have
-    std::vector<std::string> styles;   ///< beside the default
-    std::optional<FileCrs> crs;        ///< empty: not known
-    MapBounds bounds{};                ///< in the cloud's coordinates
+    std::string address;              ///< of the cloud: "https://scans.example.org/api/v1/clouds/town"
+    WordValues words;                 ///< of a view, that addresses shall have
+    std::vector<std::string> styles;  ///< beside the default
+    std::optional<FileCrs> crs;       ///< empty: not known
+    MapBounds bounds{};               ///< in the cloud's coordinates
     std::optional<MapBounds> lonLat, mercator;  ///< empty: not known
-    int widest = 0;                    ///< px, of a map's side
+    int widest = 0;                             ///< px, of a map's side
 };
 
 /// Bounds, in the world's systems where it is known; `geo` may be nullptr.

@@ -11,7 +11,7 @@ namespace {
 using nlohmann::json;
 
 /// One list of names and values: what GIS programs show as a table.
-json flat(const json& picked) {
+json flatValues(const json& picked) {
     json values = json::object();
     const auto& place = picked["position"];
     values["x"] = place[0];
@@ -30,14 +30,14 @@ json flat(const json& picked) {
     return values;
 }
 
-std::string textOf(const json& value) {
+std::string shownValue(const json& value) {
     return value.is_string() ? value.get<std::string>() : printJson(value);
 }
 
 }  // namespace
 
 HttpResponse featureResponse(InfoFormat format, const json& picked, const glm::dvec2& place) {
-    const json values = picked.is_null() ? json::object() : flat(picked);
+    const json values = picked.is_null() ? json::object() : flatValues(picked);
     HttpResponse response;
     std::string type(infoFormatNames[std::size_t(format)]);
     switch (format) {
@@ -54,14 +54,18 @@ HttpResponse featureResponse(InfoFormat format, const json& picked, const glm::d
             break;
         }
         case InfoFormat::Text:
-            for (const auto& [name, value] : values.items()) response.text += name + " = " + textOf(value) + "\n";
+            for (const auto& [name, value] : values.items())
+                response.text += name + " = " + shownValue(value) + "\n";
             if (picked.is_null()) response.text = "no point\n";
             type += "; charset=utf-8";
             break;
         case InfoFormat::Html:
-            response.text = "<!DOCTYPE html>\n<html><head><meta charset=\"utf-8\"><title>point</title></head><body>\n<table>\n";
+            response.text =
+                "<!DOCTYPE html>\n<html><head><meta "
+                "charset=\"utf-8\"><title>point</title></head><body>\n<table>\n";
             for (const auto& [name, value] : values.items())
-                response.text += "<tr><th>" + xmlText(name) + "</th><td>" + xmlText(textOf(value)) + "</td></tr>\n";
+                response.text +=
+                    "<tr><th>" + xmlText(name) + "</th><td>" + xmlText(shownValue(value)) + "</td></tr>\n";
             response.text += "</table>\n</body></html>\n";
             type += "; charset=utf-8";
             break;

@@ -32,7 +32,7 @@ constexpr int lookedAtSide = 33;
 /// ms of a reference core to encode a pixel of nothing.
 constexpr double forEmptyPixel = 15e-6;
 
-bool says(const WordValues& words, std::string_view name) {
+bool saysWord(const WordValues& words, std::string_view name) {
     return std::ranges::any_of(words, [name](const auto& word) { return word.first == name; });
 }
 
@@ -42,12 +42,13 @@ Expected<View> asMap(const Cloud& cloud, View view, const MapRequest& map) {
     view.height = map.height;
     view.camera = cameraAbove(cloud, (glm::dvec2(cloud.bounds[0]) + glm::dvec2(cloud.bounds[1])) * 0.5, 1);
     Background& background = view.style.background;
-    if (!says(map.words, "background")) {
-        background = {map.transparent ? Background::Kind::Transparent : Background::Kind::Color, map.background,
-                      map.background};
+    if (!saysWord(map.words, "background")) {
+        background = {map.transparent ? Background::Kind::Transparent : Background::Kind::Color,
+                      map.background, map.background};
     }
     if (background.kind == Background::Kind::Gradient)
-        return fail(ErrorCode::InvalidArgument, "background: a map has one colour, or is transparent", "background");
+        return fail(ErrorCode::InvalidArgument, "background: a map has one colour, or is transparent",
+                    "background");
     if (background.kind == Background::Kind::Transparent && map.format != PictureFormat::Png)
         background = {Background::Kind::Color, map.background, map.background};
     return view;
@@ -59,18 +60,18 @@ std::optional<Rgb8> backgroundOf(const View& view) {
 }
 
 /// Everything that decides its pixels beside the view.
-std::string printed(const MapRequest& map) {
-    return fmt::format("map {} {} {} {} {} {} {}x{}", map.crs, map.axesOfCrs, map.box[0], map.box[1], map.box[2],
-                       map.box[3], map.width, map.height);
+std::string printedMap(const MapRequest& map) {
+    return fmt::format("map {} {} {} {} {} {} {}x{}", map.crs, map.axesOfCrs, map.box[0], map.box[1],
+                       map.box[2], map.box[3], map.width, map.height);
 }
 
-const WordValues& wordsOf(const MapRequest& map) {
+const WordValues& wordsOfMap(const MapRequest& map) {
     return map.words;
 }
-const WordValues& wordsOf(const FeatureRequest& request) {
+const WordValues& wordsOfMap(const FeatureRequest& request) {
     return request.map.words;
 }
-const WordValues& wordsOf(const CapabilitiesRequest& request) {
+const WordValues& wordsOfMap(const CapabilitiesRequest& request) {
     return request.words;
 }
 
@@ -152,7 +153,8 @@ class MapAnswers::References {
 };
 
 MapAnswers::MapAnswers(MapOptions options, const Admission& admission, const SharedPictures& pictures,
-                       const Picker& picker, const Scheduler& scheduler, Metrics& metrics, TransientMemory memory)
+                       const Picker& picker, const Scheduler& scheduler, Metrics& metrics,
+                       TransientMemory memory)
     : options_(std::move(options)),
       admission_(admission),
       pictures_(pictures),
@@ -165,10 +167,10 @@ MapAnswers::MapAnswers(MapOptions options, const Admission& admission, const Sha
 
 MapAnswers::~MapAnswers() = default;
 
-void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
-                        const std::stop_token& gone) const {
+void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds,
+                        Respond respond, const std::stop_token& gone) const {
     const auto asked = std::make_shared<Asked>(clouds);
-    asked->service = serviceOf(routed.route);
+    asked->service = wantsProblems(routed.query) ? MapService::Plain : serviceOf(routed.route);
     asked->request = request;
     asked->id = routed.id;
     asked->path = routed.path;
@@ -213,7 +215,9 @@ std::optional<View> MapAnswers::look(const Shared& asked, const WordValues& word
 void MapAnswers::wms(const Shared& asked, std::string_view query) const {
     const auto parsed = parseWmsRequest(query, asked->id);
     if (!parsed) return asked->refuse(parsed.error());
-    const auto view = look(asked, std::visit([](const auto& wanted) -> const WordValues& { return wordsOf(wanted); }, *parsed));
+    const auto view =
+        look(asked,
+             std::visit([](const auto& wanted) -> const WordValues& { return wordsOfMap(wanted); }, *parsed));
     if (!view) return;
     if (const auto* wanted = std::get_if<MapRequest>(&*parsed)) return map(asked, *wanted, *view);
     if (const auto* wanted = std::get_if<FeatureRequest>(&*parsed)) return feature(asked, *wanted, *view);
@@ -258,8 +262,8 @@ void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& loo
     if (std::uint64_t(map.width) * std::uint64_t(map.height) > options_.maxPixels) {
         return asked->refuse(
             {ErrorCode::ResourceLimit,
-             fmt::format("A map of {} x {} pixels is larger than this server draws; the limit is {} pixels.", map.width,
-                         map.height, options_.maxPixels),
+             fmt::format("A map of {} x {} pixels is larger than this server draws; the limit is {} pixels.",
+                         map.width, map.height, options_.maxPixels),
              "WIDTH"});
     }
     auto view = asMap(cloud, looked, map);
@@ -270,8 +274,9 @@ void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& loo
     if (device.state != DeviceStatus::State::Ready)
         return asked->refuse(problemOf(503, "The rendering device is not available."));
     Ordered ordered{map, std::move(*view), (*planned)->margin, device.info, {}};
-    ordered.tag = contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
-                             printed(ordered.map));
+    ordered.tag =
+        contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
+                   printedMap(ordered.map));
     HttpResponse head = ordered.head(*asked);
     if (matchesAny(asked->request.header("if-none-match"), ordered.tag)) {
         head.status = 304;
@@ -356,8 +361,8 @@ void MapAnswers::answerEmpty(const Shared& asked, const Ordered& ordered) const 
     auto kept = admission_.keep(asked->request.client, std::uint64_t(pixels));
     if (!kept) return asked->refuse(kept.error());
     const TransientMemory::Hold hold = memory_.hold(MemoryUse::Frames, std::uint64_t(pixels) * 8);
-    auto bytes = encodePicture(emptyMap(map.width, map.height, backgroundOf(ordered.view)), ordered.view, map.format,
-                               asked->gone);
+    auto bytes = encodePicture(emptyMap(map.width, map.height, backgroundOf(ordered.view)), ordered.view,
+                               map.format, asked->gone);
     if (!bytes) return asked->refuse(bytes.error());
     HttpResponse response = ordered.head(*asked);
     response.bytes = memory_.shared(MemoryUse::Answers, std::move(*bytes), std::move(*kept));
@@ -392,8 +397,8 @@ void MapAnswers::pick(const Shared& asked, const FeatureRequest& request, View v
                     const Expected<std::optional<Picked>>& picked) {
         ticket->reset();
         if (!picked) return asked->refuse(picked.error());
-        HttpResponse response = featureResponse(
-            format, *picked ? pickedJson(*asked->cloud, **picked) : nlohmann::json(), there);
+        HttpResponse response =
+            featureResponse(format, *picked ? pickedJson(*asked->cloud, **picked) : nlohmann::json(), there);
         response.price = price / 1000;
         asked->respond(std::move(response));
     };

@@ -36,15 +36,15 @@ struct MapOptions {
 class MapAnswers {
   public:
     /// What is referred to outlives this.
-    MapAnswers(MapOptions options, const Admission& admission, const SharedPictures& pictures, const Picker& picker,
-               const Scheduler& scheduler, Metrics& metrics, TransientMemory memory);
+    MapAnswers(MapOptions options, const Admission& admission, const SharedPictures& pictures,
+               const Picker& picker, const Scheduler& scheduler, Metrics& metrics, TransientMemory memory);
     ~MapAnswers();
 
     /// A request to one of the routes of maps. Once `gone` is requested nobody waits for the answer, and it may never come. Problems: 400;
     /// 404; 413 where a map costs too much; 422 where a projection is wanted and the world does not know the cloud's coordinates; 429 and
     /// 503 where too much waits; in the words of the service that was asked.
-    void answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds, Respond respond,
-                const std::stop_token& gone) const;
+    void answer(const HttpRequest& request, const Routed& routed, const VisibleClouds& clouds,
+                Respond respond, const std::stop_token& gone) const;
     /// Nothing is answered afterwards. The scheduler must have ended.
     void stop() { worker_.stop(); }
 

@@ -12,21 +12,46 @@ namespace scancast {
 namespace {
 
 /// Of the standards, in capitals; what several versions or programs say and nothing follows from is among them.
-constexpr std::array standardNames{
-    std::string_view("SERVICE"),      std::string_view("VERSION"),        std::string_view("REQUEST"),
-    std::string_view("LAYERS"),       std::string_view("LAYER"),          std::string_view("STYLES"),
-    std::string_view("STYLE"),        std::string_view("CRS"),            std::string_view("SRS"),
-    std::string_view("BBOX"),         std::string_view("WIDTH"),          std::string_view("HEIGHT"),
-    std::string_view("FORMAT"),       std::string_view("TRANSPARENT"),    std::string_view("BGCOLOR"),
-    std::string_view("EXCEPTIONS"),   std::string_view("QUERY_LAYERS"),   std::string_view("INFO_FORMAT"),
-    std::string_view("FEATURE_COUNT"), std::string_view("I"),             std::string_view("J"),
-    std::string_view("X"),            std::string_view("Y"),              std::string_view("TILEMATRIXSET"),
-    std::string_view("TILEMATRIX"),   std::string_view("TILEROW"),        std::string_view("TILECOL"),
-    std::string_view("UPDATESEQUENCE"), std::string_view("ACCEPTVERSIONS"), std::string_view("SECTIONS"),
-    std::string_view("ACCEPTFORMATS"), std::string_view("DPI"),           std::string_view("MAP_RESOLUTION"),
-    std::string_view("FORMAT_OPTIONS"), std::string_view("TILED"),        std::string_view("WMTVER"),
-    std::string_view("TIME"),         std::string_view("ELEVATION"),      std::string_view("SLD"),
-    std::string_view("SLD_BODY")};
+constexpr std::array standardNames{std::string_view("SERVICE"),
+                                   std::string_view("VERSION"),
+                                   std::string_view("REQUEST"),
+                                   std::string_view("LAYERS"),
+                                   std::string_view("LAYER"),
+                                   std::string_view("STYLES"),
+                                   std::string_view("STYLE"),
+                                   std::string_view("CRS"),
+                                   std::string_view("SRS"),
+                                   std::string_view("BBOX"),
+                                   std::string_view("WIDTH"),
+                                   std::string_view("HEIGHT"),
+                                   std::string_view("FORMAT"),
+                                   std::string_view("TRANSPARENT"),
+                                   std::string_view("BGCOLOR"),
+                                   std::string_view("EXCEPTIONS"),
+                                   std::string_view("QUERY_LAYERS"),
+                                   std::string_view("INFO_FORMAT"),
+                                   std::string_view("FEATURE_COUNT"),
+                                   std::string_view("I"),
+                                   std::string_view("J"),
+                                   std::string_view("X"),
+                                   std::string_view("Y"),
+                                   std::string_view("TILEMATRIXSET"),
+                                   std::string_view("TILEMATRIX"),
+                                   std::string_view("TILEROW"),
+                                   std::string_view("TILECOL"),
+                                   std::string_view("UPDATESEQUENCE"),
+                                   std::string_view("ACCEPTVERSIONS"),
+                                   std::string_view("SECTIONS"),
+                                   std::string_view("ACCEPTFORMATS"),
+                                   std::string_view("DPI"),
+                                   std::string_view("MAP_RESOLUTION"),
+                                   std::string_view("FORMAT_OPTIONS"),
+                                   std::string_view("TILED"),
+                                   std::string_view("WMTVER"),
+                                   std::string_view("TIME"),
+                                   std::string_view("ELEVATION"),
+                                   std::string_view("SLD"),
+                                   std::string_view("SLD_BODY")};
 
 constexpr double farthest = 1e15;
 
@@ -37,14 +62,14 @@ std::string inCapitals(std::string_view text) {
     return upper;
 }
 
-tl::unexpected<Error> wrong(std::string_view name, std::string_view must) {
+tl::unexpected<Error> wrongWord(std::string_view name, std::string_view must) {
     std::string message(name);
     message.append(" ").append(must);
     return fail(ErrorCode::InvalidArgument, std::move(message), std::string(name));
 }
 
 /// A query, as its standard's words and the view's.
-struct Words {
+struct MapWords {
     std::vector<std::pair<std::string, std::string>> standard;
     WordValues view;
 
@@ -61,25 +86,27 @@ struct Words {
 
 bool isOfCamera(std::string_view word) {
     for (const ViewWord& known : viewWords())
-        if (known.word == word) return known.path.starts_with("camera.") || word == "width" || word == "height";
+        if (known.word == word)
+            return known.path.starts_with("camera.") || word == "width" || word == "height";
     return false;
 }
 
 Expected<void> checkViewWords(const WordValues& words) {
     for (const auto& [word, value] : words) {
         if (isOfCamera(word))
-            return fail(ErrorCode::InvalidArgument,
-                        word + ": a map looks straight down on what its bounds or its tile say, and has no camera",
-                        word);
+            return fail(
+                ErrorCode::InvalidArgument,
+                word + ": a map looks straight down on what its bounds or its tile say, and has no camera",
+                word);
         if (auto ok = checkWord(word, value); !ok) return ok;
     }
     return {};
 }
 
-Expected<Words> wordsOf(std::string_view query) {
+Expected<MapWords> mapWordsOf(std::string_view query) {
     auto all = parseQuery(query);
     if (!all) return passOn(all);
-    Words words;
+    MapWords words;
     for (auto& [name, value] : *all) {
         std::string upper = inCapitals(name);
         if (name.empty() && value.empty()) continue;  // "?&SERVICE=…", as programs put it together
@@ -87,14 +114,14 @@ Expected<Words> wordsOf(std::string_view query) {
             words.view.emplace_back(std::move(name), std::move(value));
             continue;
         }
-        if (words.find(upper) != nullptr) return wrong(upper, "is given twice");
+        if (words.find(upper) != nullptr) return wrongWord(upper, "is given twice");
         words.standard.emplace_back(std::move(upper), std::move(value));
     }
     if (auto ok = checkViewWords(words.view); !ok) return passOn(ok);
     return words;
 }
 
-std::optional<double> numberOf(std::string_view text) {
+std::optional<double> mapNumberOf(std::string_view text) {
     double value = 0;
     if (text.starts_with('+')) text.remove_prefix(1);
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -103,69 +130,72 @@ std::optional<double> numberOf(std::string_view text) {
     return value;
 }
 
-std::optional<std::uint32_t> wholeOf(std::string_view text, std::uint32_t most) {
+std::optional<std::uint32_t> mapWholeOf(std::string_view text, std::uint32_t most) {
     std::uint32_t value = 0;
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (problem != std::errc() || end != text.data() + text.size() || value > most) return std::nullopt;
     return value;
 }
 
-Expected<std::array<double, 4>> boxOf(const Words& words) {
+Expected<std::array<double, 4>> mapBoxOf(const MapWords& words) {
     const std::string* const text = words.find("BBOX");
-    constexpr std::string_view must = "must be four numbers, two lower bounds and two upper ones that are larger: 389400,5819700,389600,5819900";
-    if (text == nullptr) return wrong("BBOX", must);
+    constexpr std::string_view must =
+        "must be four numbers, two lower bounds and two upper ones that are larger: "
+        "389400,5819700,389600,5819900";
+    if (text == nullptr) return wrongWord("BBOX", must);
     std::array<double, 4> box{};
     std::string_view rest = *text;
     for (std::size_t i = 0; i < box.size(); ++i) {
         const auto comma = rest.find(',');
-        if ((comma == std::string_view::npos) != (i == 3)) return wrong("BBOX", must);
-        const auto number = numberOf(rest.substr(0, comma));
-        if (!number) return wrong("BBOX", must);
+        if ((comma == std::string_view::npos) != (i == 3)) return wrongWord("BBOX", must);
+        const auto number = mapNumberOf(rest.substr(0, comma));
+        if (!number) return wrongWord("BBOX", must);
         box[i] = *number;
         rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
     }
-    if (!(box[0] < box[2] && box[1] < box[3])) return wrong("BBOX", must);
+    if (!(box[0] < box[2] && box[1] < box[3])) return wrongWord("BBOX", must);
     return box;
 }
 
-Expected<int> sideOf(const Words& words, std::string_view name) {
-    const auto side = wholeOf(words.text(name), std::uint32_t(maxPictureSide));
-    if (!side || *side == 0) return wrong(name, "must be a number of pixels, 1 to 16384");
+Expected<int> sideOf(const MapWords& words, std::string_view name) {
+    const auto side = mapWholeOf(words.text(name), std::uint32_t(maxPictureSide));
+    if (!side || *side == 0) return wrongWord(name, "must be a number of pixels, 1 to 16384");
     return int(*side);
 }
 
-Expected<PictureFormat> formatOf(const Words& words) {
+Expected<PictureFormat> mapFormatOf(const MapWords& words) {
     std::string format = lowerCase(words.text("FORMAT"));
     format = format.substr(0, format.find(';'));
     if (format.empty() || format == "image/png" || format == "image/png8") return PictureFormat::Png;
     if (format == "image/jpeg" || format == "image/jpg") return PictureFormat::Jpeg;
-    return wrong("FORMAT", "must be image/png or image/jpeg");
+    return wrongWord("FORMAT", "must be image/png or image/jpeg");
 }
 
 /// A style is a colouring; the word `color` gives way to it.
-Expected<void> applyStyle(const Words& words, std::string_view name, WordValues& view) {
+Expected<void> applyStyle(const MapWords& words, std::string_view name, WordValues& view) {
     const std::string style = words.text(name);
     if (style.empty() || style == "default") return {};
     if (!checkWord("color", style))
-        return wrong(name, "must be \"default\" or empty, or a colouring as the word color has them: elevation");
+        return wrongWord(
+            name, "must be \"default\" or empty, or a colouring as the word color has them: elevation");
     std::erase_if(view, [](const auto& word) { return word.first == "color"; });
     view.emplace_back("color", style);
     return {};
 }
 
-Expected<void> checkLayer(const Words& words, std::string_view name, std::string_view layer) {
+Expected<void> checkLayer(const MapWords& words, std::string_view name, std::string_view layer) {
     const std::string* const asked = words.find(name);
     if (asked == nullptr || asked->empty() || *asked == layer) return {};
-    return wrong(name, "must be \"" + std::string(layer) + "\": there is no other layer here");
+    return wrongWord(name, "must be \"" + std::string(layer) + "\": there is no other layer here");
 }
 
-Expected<void> checkService(const Words& words, std::string_view service) {
+Expected<void> checkService(const MapWords& words, std::string_view service) {
     const std::string asked = inCapitals(words.text("SERVICE"));
     if (asked.empty() || asked == service) return {};
-    return wrong("SERVICE", "must be " + std::string(service) + " at this address");
+    return wrongWord("SERVICE", "must be " + std::string(service) + " at this address");
 }
 
-Expected<Rgb8> colorOf(const Words& words) {
+Expected<Rgb8> colorOf(const MapWords& words) {
     std::string_view text;
     const std::string* const given = words.find("BGCOLOR");
     if (given == nullptr || given->empty()) return Rgb8{255, 255, 255};
@@ -175,20 +205,22 @@ Expected<Rgb8> colorOf(const Words& words) {
     std::uint32_t value = 0;
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
     if (text.size() != 6 || problem != std::errc() || end != text.data() + text.size())
-        return wrong("BGCOLOR", "must be a colour: 0xFFFFFF");
+        return wrongWord("BGCOLOR", "must be a colour: 0xFFFFFF");
     return Rgb8{std::uint8_t(value >> 16), std::uint8_t(value >> 8 & 255), std::uint8_t(value & 255)};
 }
 
 /// What GetMap says, and GetFeatureInfo repeats.
-Expected<MapRequest> mapOf(const Words& words, std::string_view layer, bool isOld) {
+Expected<MapRequest> mapOf(const MapWords& words, std::string_view layer, bool isOld) {
     MapRequest map;
     if (auto ok = checkLayer(words, "LAYERS", layer); !ok) return passOn(ok);
     const std::string_view crsName = isOld ? "SRS" : "CRS";
     const std::string* crs = words.find(crsName);
     if (crs == nullptr || crs->empty() || crs->size() > 64)
-        return wrong(crsName, "must name a coordinate reference system: EPSG:3857, or file for the cloud's own coordinates");
+        return wrongWord(
+            crsName,
+            "must name a coordinate reference system: EPSG:3857, or file for the cloud's own coordinates");
     map.crs = lowerCase(*crs) == fileCrs ? std::string(fileCrs) : inCapitals(*crs);
-    const auto box = boxOf(words);
+    const auto box = mapBoxOf(words);
     if (!box) return passOn(box);
     map.box = *box;
     map.axesOfCrs = !isOld;
@@ -198,12 +230,12 @@ Expected<MapRequest> mapOf(const Words& words, std::string_view layer, bool isOl
     if (!height) return passOn(height);
     map.width = *width;
     map.height = *height;
-    const auto format = formatOf(words);
+    const auto format = mapFormatOf(words);
     if (!format) return passOn(format);
     map.format = *format;
     const std::string transparent = inCapitals(words.text("TRANSPARENT"));
     if (!transparent.empty() && transparent != "TRUE" && transparent != "FALSE")
-        return wrong("TRANSPARENT", "must be TRUE or FALSE");
+        return wrongWord("TRANSPARENT", "must be TRUE or FALSE");
     map.transparent = transparent == "TRUE" && *format == PictureFormat::Png;
     const auto background = colorOf(words);
     if (!background) return passOn(background);
@@ -213,14 +245,14 @@ Expected<MapRequest> mapOf(const Words& words, std::string_view layer, bool isOl
     return map;
 }
 
-Expected<FeatureRequest> featureOf(const Words& words, std::string_view layer, bool isOld) {
+Expected<FeatureRequest> featureOf(const MapWords& words, std::string_view layer, bool isOld) {
     auto map = mapOf(words, layer, isOld);
     if (!map) return passOn(std::move(map));
     if (auto ok = checkLayer(words, "QUERY_LAYERS", layer); !ok) return passOn(ok);
     FeatureRequest request{std::move(*map)};
     const auto at = [&](std::string_view name, int side) -> Expected<int> {
-        const auto pixel = wholeOf(words.text(name), std::uint32_t(side - 1));
-        if (!pixel) return wrong(name, "must be a pixel of the map, counted from 0");
+        const auto pixel = mapWholeOf(words.text(name), std::uint32_t(side - 1));
+        if (!pixel) return wrongWord(name, "must be a pixel of the map, counted from 0");
         return int(*pixel);
     };
     const auto i = at(isOld ? "X" : "I", request.map.width);
@@ -233,7 +265,8 @@ Expected<FeatureRequest> featureOf(const Words& words, std::string_view layer, b
     if (format.empty()) return request;
     const auto known = std::ranges::find(infoFormatNames, format);
     if (known == infoFormatNames.end())
-        return wrong("INFO_FORMAT", "must be application/json, application/geo+json, text/plain or text/html");
+        return wrongWord("INFO_FORMAT",
+                         "must be application/json, application/geo+json, text/plain or text/html");
     request.format = InfoFormat(known - infoFormatNames.begin());
     return request;
 }
@@ -241,22 +274,22 @@ Expected<FeatureRequest> featureOf(const Words& words, std::string_view layer, b
 Expected<PictureFormat> formatOfName(std::string_view name) {
     if (name == "png") return PictureFormat::Png;
     if (name == "jpg" || name == "jpeg") return PictureFormat::Jpeg;
-    return wrong("FORMAT", "must be png or jpg, as it ends the address");
+    return wrongWord("FORMAT", "must be png or jpg, as it ends the address");
 }
 
-Expected<TileRequest> tileOf(const Words& words, std::string_view set, std::string_view z, std::string_view x,
-                             std::string_view y) {
+Expected<TileRequest> tileOf(const MapWords& words, std::string_view set, std::string_view z,
+                             std::string_view x, std::string_view y) {
     TileRequest tile;
     if (set != mercatorSet && set != fileCrs)
-        return wrong("TILEMATRIXSET", "must be mercator, or file for the cloud's own coordinates");
+        return wrongWord("TILEMATRIXSET", "must be mercator, or file for the cloud's own coordinates");
     tile.set = std::string(set);
-    const auto level = wholeOf(z, mostTileLevels - 1);
-    if (!level) return wrong("TILEMATRIX", "must be a level, 0 to 24");
+    const auto level = mapWholeOf(z, mostTileLevels - 1);
+    if (!level) return wrongWord("TILEMATRIX", "must be a level, 0 to 24");
     tile.z = int(*level);
     const std::uint32_t last = (std::uint32_t(1) << *level) - 1;
-    const auto column = wholeOf(x, last), row = wholeOf(y, last);
-    if (!column) return wrong("TILECOL", "must be a column of that level, 0 to " + std::to_string(last));
-    if (!row) return wrong("TILEROW", "must be a row of that level, 0 to " + std::to_string(last));
+    const auto column = mapWholeOf(x, last), row = mapWholeOf(y, last);
+    if (!column) return wrongWord("TILECOL", "must be a column of that level, 0 to " + std::to_string(last));
+    if (!row) return wrongWord("TILEROW", "must be a row of that level, 0 to " + std::to_string(last));
     tile.x = *column;
     tile.y = *row;
     tile.words = words.view;
@@ -267,15 +300,16 @@ Expected<TileRequest> tileOf(const Words& words, std::string_view set, std::stri
 }  // namespace
 
 Expected<WmsRequest> parseWmsRequest(std::string_view query, std::string_view layer) {
-    const auto words = wordsOf(query);
+    const auto words = mapWordsOf(query);
     if (!words) return passOn(words);
     if (auto ok = checkService(*words, "WMS"); !ok) return passOn(ok);
     const std::string request = lowerCase(words->text("REQUEST"));
-    if (request.empty() || request == "getcapabilities" || request == "capabilities") return CapabilitiesRequest{words->view};
+    if (request.empty() || request == "getcapabilities" || request == "capabilities")
+        return CapabilitiesRequest{words->view};
     std::string version = words->text("VERSION");
     if (version.empty()) version = words->find("SRS") != nullptr ? "1.1.1" : "1.3.0";
     if (version != "1.3.0" && version != "1.1.1" && version != "1.1.0")
-        return wrong("VERSION", "must be 1.3.0 or 1.1.1");
+        return wrongWord("VERSION", "must be 1.3.0 or 1.1.1");
     const bool isOld = version != "1.3.0";
     if (request == "getmap" || request == "map") {
         auto map = mapOf(*words, layer, isOld);
@@ -287,34 +321,35 @@ Expected<WmsRequest> parseWmsRequest(std::string_view query, std::string_view la
         if (!feature) return passOn(std::move(feature));
         return std::move(*feature);
     }
-    return wrong("REQUEST", "must be GetCapabilities, GetMap or GetFeatureInfo");
+    return wrongWord("REQUEST", "must be GetCapabilities, GetMap or GetFeatureInfo");
 }
 
 Expected<WmtsRequest> parseWmtsRequest(std::string_view query, std::string_view layer) {
-    const auto words = wordsOf(query);
+    const auto words = mapWordsOf(query);
     if (!words) return passOn(words);
     if (auto ok = checkService(*words, "WMTS"); !ok) return passOn(ok);
     const std::string request = lowerCase(words->text("REQUEST"));
     if (request.empty() || request == "getcapabilities") return CapabilitiesRequest{words->view};
-    if (request != "gettile") return wrong("REQUEST", "must be GetCapabilities or GetTile");
+    if (request != "gettile") return wrongWord("REQUEST", "must be GetCapabilities or GetTile");
     if (auto ok = checkLayer(*words, "LAYER", layer); !ok) return passOn(ok);
-    const auto format = formatOf(*words);
+    const auto format = mapFormatOf(*words);
     if (!format) return passOn(format);
-    auto tile = tileOf(*words, words->text("TILEMATRIXSET"), words->text("TILEMATRIX"), words->text("TILECOL"),
-                       words->text("TILEROW"));
+    auto tile = tileOf(*words, words->text("TILEMATRIXSET"), words->text("TILEMATRIX"),
+                       words->text("TILECOL"), words->text("TILEROW"));
     if (!tile) return passOn(std::move(tile));
     tile->format = *format;
     return std::move(*tile);
 }
 
-Expected<TileRequest> parseTileRequest(std::string_view set, std::string_view z, std::string_view x, std::string_view last,
-                                       std::string_view query) {
-    const auto words = wordsOf(query);
+Expected<TileRequest> parseTileRequest(std::string_view set, std::string_view z, std::string_view x,
+                                       std::string_view last, std::string_view query) {
+    const auto words = mapWordsOf(query);
     if (!words) return passOn(words);
     for (const auto& [name, value] : words->standard)
-        if (name != "STYLE") return wrong(name, "has no part in the address of a tile");
+        if (name != "STYLE") return wrongWord(name, "has no part in the address of a tile");
     const auto dot = last.rfind('.');
-    const auto format = formatOfName(dot == std::string_view::npos ? std::string_view() : last.substr(dot + 1));
+    const auto format =
+        formatOfName(dot == std::string_view::npos ? std::string_view() : last.substr(dot + 1));
     if (!format) return passOn(format);
     auto tile = tileOf(*words, set, z, x, last.substr(0, dot));
     if (!tile) return passOn(std::move(tile));
@@ -322,8 +357,15 @@ Expected<TileRequest> parseTileRequest(std::string_view set, std::string_view z,
     return tile;
 }
 
+bool wantsProblems(std::string_view query) {
+    const auto words = parseQuery(query);
+    return words && std::ranges::any_of(*words, [](const auto& word) {
+               return inCapitals(word.first) == "EXCEPTIONS" && word.second == problemMediaType;
+           });
+}
+
 Expected<WordValues> parseMapWords(std::string_view query) {
-    auto words = wordsOf(query);
+    auto words = mapWordsOf(query);
     if (!words) return passOn(std::move(words));
     return std::move(words->view);
 }

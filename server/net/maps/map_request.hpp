@@ -24,19 +24,19 @@ inline constexpr std::string_view fileCrs = "file";
 inline constexpr std::string_view mercatorSet = "mercator";
 
 struct MapRequest {
-    std::string crs;               ///< "EPSG:25833", in capitals, or fileCrs
-    std::array<double, 4> box{};   ///< as given: two lower and two upper bounds
-    bool axesOfCrs = false;        ///< they are in the order of the system's axes, which may be y, x
-    int width = 0, height = 0;     ///< px
+    std::string crs;              ///< "EPSG:25833", in capitals, or fileCrs
+    std::array<double, 4> box{};  ///< as given: two lower and two upper bounds
+    bool axesOfCrs = false;       ///< they are in the order of the system's axes, which may be y, x
+    int width = 0, height = 0;    ///< px
     PictureFormat format = PictureFormat::Png;
-    bool transparent = false;             ///< of PNG
-    Rgb8 background{255, 255, 255};       ///< where it is not
-    WordValues words{};                   ///< of a view
+    bool transparent = false;        ///< of PNG
+    Rgb8 background{255, 255, 255};  ///< where it is not
+    WordValues words{};              ///< of a view
 };
 
 enum class InfoFormat : std::uint8_t { Json, GeoJson, Text, Html };
-inline constexpr std::array<std::string_view, 4> infoFormatNames{"application/json", "application/geo+json", "text/plain",
-                                                                 "text/html"};
+inline constexpr std::array<std::string_view, 4> infoFormatNames{"application/json", "application/geo+json",
+                                                                 "text/plain", "text/html"};
 
 struct FeatureRequest {
     MapRequest map;
@@ -69,8 +69,11 @@ using WmtsRequest = std::variant<CapabilitiesRequest, TileRequest>;
 Expected<WmtsRequest> parseWmtsRequest(std::string_view query, std::string_view layer);
 
 /// Of a path: `last` is the row with .png or .jpg. `style` may stand in the query, as in WMTS's.
-Expected<TileRequest> parseTileRequest(std::string_view set, std::string_view z, std::string_view x, std::string_view last,
-                                       std::string_view query);
+Expected<TileRequest> parseTileRequest(std::string_view set, std::string_view z, std::string_view x,
+                                       std::string_view last, std::string_view query);
+
+/// Whether what is wrong shall be said as everywhere else (RFC 9457), not in the service's words: EXCEPTIONS=application/problem+json.
+bool wantsProblems(std::string_view query);
 
 /// The words of a view in a query of nothing else; `style` is what a service's style is.
 Expected<WordValues> parseMapWords(std::string_view query);

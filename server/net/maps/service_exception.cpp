@@ -24,7 +24,7 @@ std::string_view owsCode(const Problem& problem, std::string_view field) {
     return problem.status == 400 && !field.empty() ? "InvalidParameterValue" : "NoApplicableCode";
 }
 
-std::string attribute(std::string_view name, std::string_view value) {
+std::string xmlAttribute(std::string_view name, std::string_view value) {
     if (value.empty()) return {};
     std::string text = " ";
     return text.append(name).append("=\"").append(xmlText(value)).append("\"");
@@ -41,15 +41,19 @@ HttpResponse exceptionResponse(MapService service, const Problem& problem, std::
     std::string& text = response.text;
     text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
     if (service == MapService::Wms) {
-        text += "<ServiceExceptionReport version=\"1.3.0\" xmlns=\"http://www.opengis.net/ogc\">\n<ServiceException";
-        text += attribute("code", wmsCode(field));
-        text += attribute("locator", field);
+        text +=
+            "<ServiceExceptionReport version=\"1.3.0\" "
+            "xmlns=\"http://www.opengis.net/ogc\">\n<ServiceException";
+        text += xmlAttribute("code", wmsCode(field));
+        text += xmlAttribute("locator", field);
         text += ">" + xmlText(problem.detail) + "</ServiceException>\n</ServiceExceptionReport>\n";
         return response;
     }
-    text += "<ExceptionReport xmlns=\"http://www.opengis.net/ows/1.1\" version=\"1.1.0\" xml:lang=\"en\">\n<Exception";
-    text += attribute("exceptionCode", owsCode(problem, field));
-    text += attribute("locator", field);
+    text +=
+        "<ExceptionReport xmlns=\"http://www.opengis.net/ows/1.1\" version=\"1.1.0\" "
+        "xml:lang=\"en\">\n<Exception";
+    text += xmlAttribute("exceptionCode", owsCode(problem, field));
+    text += xmlAttribute("locator", field);
     text += ">\n" + xmlElement("ExceptionText", problem.detail) + "</Exception>\n</ExceptionReport>\n";
     return response;
 }

@@ -18,8 +18,8 @@
 namespace scancast {
 
 struct TileSet {
-    glm::dvec2 corner{0};     ///< upper left of all tiles
-    double pixel = 1;         ///< of level 0, units
+    glm::dvec2 corner{0};  ///< upper left of all tiles
+    double pixel = 1;      ///< of level 0, units
     int levels = 1;
     double side(int z) const;  ///< of a tile of that level, units
     MapExtent extentOf(int z, std::uint32_t x, std::uint32_t y) const;

@@ -15,6 +15,7 @@
 #include <tuple>
 #include <utility>
 
+#include "protocol/view/view_words.hpp"
 #include "renderer/raster/raster_plan.hpp"
 #include "server/base/faults.hpp"
 #include "server/net/api/negotiate.hpp"
@@ -140,7 +141,7 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
         return tl::unexpected(std::move(response));
     };
     const bool isElevation = routed.route == Route::Elevation;
-    const auto cloud = clouds.cloud(routed.id);
+    auto cloud = clouds.cloud(routed.id);
     if (!cloud) return refuse(cloud.error());
     if (!accepts(request.header("accept"), tiffType))
         return refuse(
@@ -158,6 +159,16 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
         return refuse(problemOf(
             503,
             "This cloud is still being read, and not all of its points are there; ask again in a moment."));
+    // Of what an orthophoto shows: the cloud, or several together.
+    View first;
+    for (const auto& [word, text] : asked->view)
+        if (word == "with" || word == "color")
+            if (auto ok = applyWord(first, word, text); !ok) return refuse(problemOf(ok.error()));
+    if (!first.with.empty()) {
+        auto together = clouds.viewed(routed.id, first);
+        if (!together) return refuse(problemOf(together.error()));
+        *cloud = std::move(*together);
+    }
     const int side = int(std::min(2048.0, std::sqrt(double(options_.mostPixels))));
     auto planned = planRaster(**cloud, *asked, {options_.mostCells, side});
     if (!planned) return refuse(problemOf(planned.error()));
@@ -175,7 +186,7 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
     HttpResponse head;
     head.set("Content-Type", std::string(tiffType))
         .set("ETag", tag)
-        .set("Cache-Control", clouds.isLive(routed.id) ? "no-store" : "no-cache")
+        .set("Cache-Control", clouds.isLive(routed.id, first.with) ? "no-store" : "no-cache")
         .set("Scancast-Raster", factsOf(planned->layout.grid));
     if (matchesAny(request.header("if-none-match"), tag)) {
         head.status = 304;
@@ -189,10 +200,10 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
         return tl::unexpected(std::move(head));
     }
     if (!isElevation) {
-        const auto first =
+        const auto block =
             plan(**cloud, orthoView(**cloud, *planned->ortho, planned->layout.grid.blockAt(0)));
-        if (!first) return refuse(problemOf(first.error()));
-        const auto price = admission_.price(**cloud, **first, PictureFormat::Pixels);
+        if (!block) return refuse(problemOf(block.error()));
+        const auto price = admission_.price(**cloud, **block, PictureFormat::Pixels);
         if (!price) return refuse(price.error());
     }
     auto place = places_.take(request.client);

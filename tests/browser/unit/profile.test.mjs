@@ -137,14 +137,18 @@ describe('what the server is asked', () => {
     assert.deepEqual(regionOf(view, { classes: true }), { classes: '2,6' });
     assert.deepEqual(regionOf(view, { polygon: [[1, 2, 9], [3, 4, 9], [5, 0, 9]] }), { polygon: [[1, 2], [3, 4], [5, 0]] });
     assert.equal(regionOf({ classes: null, clips: null }), undefined);
-    assert.deepEqual(limitsOf(view), { classes: true, shapes: true });
-    assert.deepEqual(limitsOf({}), { classes: false, shapes: false });
+    const filter = [{ column: 'gps_time', low: 5 }];
+    assert.deepEqual(regionOf({ ...view, filter }), { clips: shapes, classes: '2,6', filter });
+    assert.deepEqual(regionOf({ ...view, filter }, { classes: true }), { classes: '2,6' });
+    assert.deepEqual(limitsOf(view), { classes: true, shapes: true, filter: false });
+    assert.deepEqual(limitsOf({ filter }), { classes: false, shapes: false, filter: true });
   });
 
   it('for a profile: as it is coloured in the view, where that has a meaning', () => {
     assert.deepEqual(coloursOf(view), { color: 'elevation*intensity', colormap: 'turbo' });
     assert.deepEqual(coloursOf({ color: 'depth', colormap: 'turbo' }), {});
     assert.deepEqual(coloursOf({ color: '#ff0000' }), { color: '#ff0000' });
+    assert.deepEqual(coloursOf({ color: 'column:gps_time', range: [0, 1] }), { color: 'column:gps_time', range: [0, 1] });
     const line = [[0, 0], [100, 0]];
     assert.deepEqual(pointsQuestion({ line, width: 2 }, {}, 'las'), { line, width: 2, format: 'las' });
     assert.deepEqual(wholeQuestion({ line, width: 2 }, view, size).picture, { width: 800, height: 200, pointSize: 1, background: 'transparent', color: 'elevation*intensity', colormap: 'turbo' });

@@ -115,7 +115,8 @@ describe('clouds together', () => {
     const far = { ...tile, id: 'far', bounds: { min: [900, 0, 0], max: [950, 1, 1] } };
     const swiss = { ...tile, id: 'swiss', title: 'Swiss', crsEpsg: 2056, crsName: 'LV95' };
     assert.match(reasonAgainst(own, swiss), /another coordinate system: LV95/);
-    assert.equal(reasonAgainst({ ...own, crsEpsg: undefined }, swiss), '', 'who says nothing is taken by his word');
+    assert.equal(reasonAgainst({ ...own, crsEpsg: undefined }, swiss), '', 'who says nothing is taken by the other’s word');
+    assert.match(reasonAgainst({ ...own, crsEpsg: undefined, crsUnit: 'metre' }, { ...swiss, crsUnit: 'foot' }), /another/);
     const all = { clouds: [own, swiss, far, tile], pending: [{ id: 'late', state: 'loading' }] };
     assert.deepEqual(othersOf(own, ['.'], all).map(({ cloud: { id }, reason }) => [id, reason.slice(0, 10)]), [['tile', ''], ['far', ''], ['swiss', 'in another'], ['late', 'still load']]);
     assert.deepEqual(othersOf(own, ['.', 'tile'], all, ' SWI').map(({ cloud: { id } }) => id), ['swiss']);

@@ -352,6 +352,8 @@ class Maps(unittest.TestCase):
             self.assertEqual(fault.get("code"), code, words)
         _, body = self.get("wmts?SERVICE=WMTS&REQUEST=GetTile&LAYER=plain&STYLE=default&FORMAT=image/png&TILEMATRIXSET=mercator&TILEMATRIX=1&TILEROW=2&TILECOL=0", 400)
         self.assertEqual(xml.fromstring(body).find("{http://www.opengis.net/ows/1.1}Exception").get("exceptionCode"), "TileOutOfRange")
+        headers, body = self.get("wms?" + urllib.parse.urlencode({**good, "CRS": "EPSG:1", "exceptions": "application/problem+json"}), 400)
+        self.assertEqual((headers["Content-Type"], json.loads(body)["errors"][0]["parameter"]), ("application/problem+json", "CRS"))
         self.assertIn(b'"status":400', self.get("tiles/mercator/1/2/0.png", 400)[1])
         self.assertEqual(self.server.get("/api/v1/clouds/none/wms?SERVICE=WMS&REQUEST=GetCapabilities")[0], 404)
 

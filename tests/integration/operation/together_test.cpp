@@ -49,9 +49,11 @@ TEST_F(TogetherTest, PicturesAreOrderedOfAllThatTheViewNames) {
     ASSERT_EQ(ask("").status, 200);
     EXPECT_FALSE(drawn().together);
     const View alone = painter.begun().back().view;
-    EXPECT_GT(glm::distance(all.camera.eye, all.camera.target), 3 * glm::distance(alone.camera.eye, alone.camera.target));
-    const HttpReply posted = post(port(), "/api/v1/clouds/one/snapshot",
-                                  R"({"width": 32, "height": 16, "color": "cloud", "with": [{"cloud": "two"}]})", {sendsJson});
+    EXPECT_GT(glm::distance(all.camera.eye, all.camera.target),
+              3 * glm::distance(alone.camera.eye, alone.camera.target));
+    const HttpReply posted =
+        post(port(), "/api/v1/clouds/one/snapshot",
+             R"({"width": 32, "height": 16, "color": "cloud", "with": [{"cloud": "two"}]})", {sendsJson});
     ASSERT_EQ(posted.status, 200) << posted.body;
     EXPECT_TRUE(drawn().together->byCloud);
     EXPECT_EQ(ask("color=cloud").status, 200) << "one cloud alone, too";
@@ -104,7 +106,9 @@ TEST_F(TogetherTest, RefusalsSayWhichCloudAndWhy) {
 
 TEST_F(TogetherTest, PicksSayWhosePointItIs) {
     start();
-    const json view{{"width", 32}, {"height", 16}, {"with", {{{"cloud", "."}, {"hidden", true}}, {{"cloud", "two"}, {"shift", {1, 2, 3}}}}}};
+    const json view{{"width", 32},
+                    {"height", 16},
+                    {"with", {{{"cloud", "."}, {"hidden", true}}, {{"cloud", "two"}, {"shift", {1, 2, 3}}}}}};
     const HttpReply reply =
         post(port(), "/api/v1/clouds/one/pick", json{{"view", view}, {"x", 3}, {"y", 4}}.dump(), {sendsJson});
     ASSERT_EQ(reply.status, 200) << reply.body;
@@ -115,14 +119,17 @@ TEST_F(TogetherTest, PicksSayWhosePointItIs) {
 }
 
 TEST_F(TogetherTest, GuestsSeeOneCloudWhateverTheyName) {
-    options.tokens = {{{"user", userToken}}, {{"admin", adminToken}}, {{"guests", "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo"}}};
+    options.tokens = {
+        {{"user", userToken}}, {{"admin", adminToken}}, {{"guests", "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo"}}};
     start();
     const auto bearer = [](const std::string& token) { return "Authorization: Bearer " + token; };
-    const json link = json::parse(post(port(), "/api/v1/guest-links", R"({"cloud": "one", "expiresInSeconds": 3600})",
-                                       {bearer(adminToken), sendsJson})
-                                      .body);
+    const json link =
+        json::parse(post(port(), "/api/v1/guest-links", R"({"cloud": "one", "expiresInSeconds": 3600})",
+                         {bearer(adminToken), sendsJson})
+                        .body);
     const std::string pass =
-        json::parse(post(port(), "/api/v1/guest-session", json{{"token", link["token"]}}.dump(), {sendsJson}).body)["token"];
+        json::parse(post(port(), "/api/v1/guest-session", json{{"token", link["token"]}}.dump(), {sendsJson})
+                        .body)["token"];
     EXPECT_EQ(request(port(), picture("with=two"), {bearer(userToken)}).status, 200);
     const std::string same = "X-Request-Id: the-same";
     const HttpReply hidden = request(port(), picture("with=two"), {bearer(pass), same});
@@ -138,22 +145,28 @@ TEST_F(TogetherTest, GuestsSeeOneCloudWhateverTheyName) {
     guest.say({{"type", "view"}, {"seq", 1}, {"with", {{{"cloud", "two"}}}}});
     EXPECT_EQ(guest.control("problem")["problem"]["status"], 404);
     const std::string drive = "/api/v1/sessions/" + welcome["session"].get<std::string>() + "/view";
-    const HttpReply driven = post(port(), drive, R"({"with": [{"cloud": "two"}]})", {bearer(userToken), sendsJson});
+    const HttpReply driven =
+        post(port(), drive, R"({"with": [{"cloud": "two"}]})", {bearer(userToken), sendsJson});
     EXPECT_EQ(driven.status, 404) << driven.body;
     EXPECT_EQ(request(port(), "/api/v1/clouds/one/stream.mjpg?with=two", {bearer(pass)}).status, 404);
     for (const FakePainter::Painted& painted : painter.begun())
-        if (painted.view.with.empty()) EXPECT_FALSE(painted.cloud->together);
+        if (painted.view.with.empty()) {
+            EXPECT_FALSE(painted.cloud->together);
+        }
 }
 
 TEST_F(TogetherTest, StreamsShowThemAndTellOfThoseThatGo) {
     start();
     StreamClient client(port());
-    const json welcome = client.greet({{"cloud", "one"}, {"view", {{"with", {{{"cloud", "two"}, {"shift", {200, 0, 0}}}}}}}});
+    const json welcome =
+        client.greet({{"cloud", "one"}, {"view", {{"with", {{{"cloud", "two"}, {"shift", {200, 0, 0}}}}}}}});
     EXPECT_EQ(welcome["view"]["with"][0]["cloud"], "two");
     ASSERT_TRUE(client.finalFrame(0));
     EXPECT_EQ(namesDrawn(), (std::vector<std::string>{"one", "two"}));
     EXPECT_GT(painter.begun().back().view.camera.target.x, 50) << "the camera sees both";
-    client.say({{"type", "view"}, {"seq", 1}, {"with", {{{"cloud", "two"}, {"tint", "#0000ff"}}, {{"cloud", "."}, {"hidden", true}}}}});
+    client.say({{"type", "view"},
+                {"seq", 1},
+                {"with", {{{"cloud", "two"}, {"tint", "#0000ff"}}, {{"cloud", "."}, {"hidden", true}}}}});
     ASSERT_TRUE(client.finalFrame(1));
     EXPECT_TRUE(drawn().together->members[0].hidden);
     // Another cloud takes its name: it is shown.
@@ -185,7 +198,8 @@ TEST_F(TogetherTest, WhoFollowsSeesThemToo) {
 TEST_F(TogetherTest, FewAreKeptAndNoneOfWhatIsGone) {
     TogetherClouds kept;
     const auto pair = [&](double shift) {
-        return std::vector<TogetherMember>{{.name = "one", .cloud = one}, {.name = "two", .cloud = two, .shift = {shift, 0, 0}}};
+        return std::vector<TogetherMember>{{.name = "one", .cloud = one},
+                                           {.name = "two", .cloud = two, .shift = {shift, 0, 0}}};
     };
     const auto first = kept.of(pair(1), false).value();
     EXPECT_EQ(kept.of(pair(1), false).value(), first) << "the same one";

@@ -34,17 +34,16 @@ ScanPoint ballThere(std::uint64_t i, std::uint64_t n) {
     ScanPoint point = ball(i, n);
     point.position += farAway + glm::dvec3(90, 110, 8);
     point.color = {std::uint8_t(200 + i % 50), std::uint8_t(i % 251), 30};
+    point.intensity = std::uint16_t(i % 700);
     return point;
 }
 
-Attributes withColors(bool colors = true) {
+std::shared_ptr<const Cloud> built(std::uint64_t points, SyntheticSource::Make make, bool colors = true,
+                                   bool intensities = true) {
     Attributes attributes;
     attributes.color = colors;
-    return attributes;
-}
-
-std::shared_ptr<const Cloud> built(std::uint64_t points, SyntheticSource::Make make, bool colors = true) {
-    SyntheticSource source(points, std::move(make), withColors(colors), 0.001, farAway);
+    attributes.intensity = intensities;
+    SyntheticSource source(points, std::move(make), attributes, 0.001, farAway);
     BuildOptions options;
     options.threads = 2;
     options.shape.leafPoints = 700;
@@ -159,7 +158,8 @@ TEST_P(TogetherOracle, IsTheCloudOfBothScans) {
     };
     const std::uint64_t each = sized(20'000, 4'000);
     const auto one = built(2 * each, half);
-    const auto both = together({member("ground", built(each, groundThere)), member("ball", built(each, ballThere))});
+    const auto both =
+        together({member("ground", built(each, groundThere)), member("ball", built(each, ballThere))});
     for (const View& view : plainViews()) {
         // Places are kept in other steps there: a few points lie in the next pixel.
         EXPECT_LE(differing(draw(*one, view), draw(*both, view)), std::size_t(240 * 160 / 50));
@@ -248,7 +248,34 @@ TEST_P(TogetherOracle, ATintIsAProductOrTheColor) {
     view.style.color = ColorSource::Cloud;
     const Frame alone = draw(*groundCloud(), view);
     for (std::size_t i = 0; i < alone.depth.size(); ++i)
-        if (std::isfinite(alone.depth[i])) ASSERT_EQ(pixelOf(alone, i), cloudColors[0]);
+        if (std::isfinite(alone.depth[i])) {
+            ASSERT_EQ(pixelOf(alone, i), cloudColors[0]);
+        }
+}
+
+TEST_P(TogetherOracle, AFilterHoldsForEachCloud) {
+    TogetherMember tinted = member("ball", ballCloud());
+    tinted.tint = Rgb8{255, 255, 255};  // changes nothing, and has its samples painted
+    for (const auto& other : {member("ball", ballCloud()), tinted}) {
+        const auto both = together({member("ground", groundCloud()), other});
+        View view = plainViews()[1];
+        view.style.filter = {{"intensity", 100, 450}};
+        const Frame a = draw(*groundCloud(), view), b = draw(*ballCloud(), view), all = draw(*both, view);
+        view.style.filter.clear();
+        EXPECT_GT(differing(all, draw(*both, view)), 1000U);
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < all.depth.size(); ++i)
+            wrong += pixelOf(all, i) != pixelOf(a.depth[i] <= b.depth[i] ? a : b, i);
+        EXPECT_LE(wrong, atBorders);
+    }
+    const auto without = built(1000, ballThere, true, false);
+    View view = plainViews()[1];
+    view.style.filter = {{"intensity", 100, 450}};
+    const auto refused =
+        render(*device_, *together({member("ground", groundCloud()), member("bare", without)}), view);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().field, "filter");
+    EXPECT_NE(refused.error().message.find("\"bare\""), std::string::npos) << refused.error().message;
 }
 
 TEST_P(TogetherOracle, IsTheSameOnEveryDeviceAndOutOfFiles) {
@@ -287,14 +314,15 @@ TEST_P(TogetherOracle, IsTheSameOnEveryDeviceAndOutOfFiles) {
 
 // Without pixels: what selection promises of one root, it keeps of several.
 TEST(TogetherTree, EveryLeafIsDrawnOnceWithinAnyBudget) {
-    const auto both = together({member("ground", groundCloud()), member("ball", ballCloud()),
-                                member("again", ballCloud())});
+    const auto both = together(
+        {member("ground", groundCloud()), member("ball", ballCloud()), member("again", ballCloud())});
     const Octree& octree = both->octree;
     EXPECT_EQ(octree.roots(), 3U);
     for (std::uint32_t i = 0; i < octree.nodes().size(); ++i) {
         const Node& node = octree.node(i);
         EXPECT_EQ(node.parent == noNode, i < octree.roots());
-        for (std::uint32_t c = 0; c < node.childCount; ++c) EXPECT_EQ(octree.node(node.firstChild + c).parent, i);
+        for (std::uint32_t c = 0; c < node.childCount; ++c)
+            EXPECT_EQ(octree.node(node.firstChild + c).parent, i);
     }
     const auto viewpoint = Viewpoint::create(plainViews()[0], both->origin, both->bounds).value();
     for (const double fade : {0.0, 0.5})
@@ -312,7 +340,8 @@ TEST(TogetherTree, EveryLeafIsDrawnOnceWithinAnyBudget) {
             for (std::uint32_t leaf = 0; leaf < octree.nodes().size(); ++leaf) {
                 if (!octree.node(leaf).isLeaf()) continue;
                 int times = 0;
-                for (std::uint32_t up = leaf; up != noNode; up = octree.node(up).parent) times += whole.contains(up);
+                for (std::uint32_t up = leaf; up != noNode; up = octree.node(up).parent)
+                    times += whole.contains(up);
                 ASSERT_EQ(times, 1) << leaf << ", budget " << budget << ", fade " << fade;
             }
         }
@@ -327,7 +356,8 @@ TEST(TogetherTree, WhatOnlyMovesKeepsItsSamplesOnDevices) {
     EXPECT_EQ(first->octree.source(), moved->octree.source());
     EXPECT_EQ(first->together->stores, moved->together->stores);
     EXPECT_NE(first->revision, moved->revision);
-    EXPECT_EQ(first->together->stores[0].get(), &groundCloud()->octree.store()) << "shared with the cloud itself";
+    EXPECT_EQ(first->together->stores[0].get(), &groundCloud()->octree.store())
+        << "shared with the cloud itself";
     tinted.tint = Rgb8{9, 99, 198};
     EXPECT_NE(together({member("ground", groundCloud()), tinted}, false, first.get())->octree.source(),
               first->octree.source());
@@ -372,6 +402,15 @@ TEST(TogetherPick, SaysWhosePointItIsAndWhereThatHasIt) {
     }
     EXPECT_GT(ofBall, 5);
     EXPECT_GT(ofGround, 50);
+    // What a filter takes away is not picked, of no cloud; what is left is whose it was.
+    View filtered = view;
+    filtered.style.filter = {{"intensity", 300, 400}};
+    for (std::size_t i = 7; i < frame.depth.size(); i += 997) {
+        const auto picked = pick(*both, filtered, {int(i % 240), int(i / 240)}, frame.depth[i]).value();
+        if (!picked) continue;
+        EXPECT_GE(picked->sample.intensity, 300);
+        EXPECT_LE(picked->sample.intensity, 400);
+    }
 }
 
 TEST(TogetherRefuses, OtherSystemsAndTooManyNodes) {
@@ -387,7 +426,8 @@ TEST(TogetherRefuses, OtherSystemsAndTooManyNodes) {
     EXPECT_NE(refused.error().message.find("25832"), std::string::npos) << refused.error().message;
     EXPECT_NE(refused.error().message.find("25833"), std::string::npos);
     EXPECT_TRUE(putTogether({member("a", in(25832)), member("b", in(25832))}, false, cache()));
-    EXPECT_TRUE(putTogether({member("a", in(25832)), member("b", ballCloud())}, false, cache())) << "not known";
+    EXPECT_TRUE(putTogether({member("a", in(25832)), member("b", ballCloud())}, false, cache()))
+        << "not known";
     const auto tiny = cacheOf(4096);
     const auto large = putTogether({member("a", groundCloud()), member("b", ballCloud())}, false, tiny);
     ASSERT_FALSE(large);

@@ -46,7 +46,8 @@ TEST(GeoReference, FollowsFormulas) {
     for (std::size_t i = 0; i < places.size(); ++i) {
         constexpr double radius = 6378137, degree = std::numbers::pi / 180;
         EXPECT_NEAR(metres[i].x, radius * degrees[i].x * degree, 1e-6);
-        EXPECT_NEAR(metres[i].y, radius * std::log(std::tan(std::numbers::pi / 4 + degrees[i].y * degree / 2)), 1e-6);
+        EXPECT_NEAR(metres[i].y,
+                    radius * std::log(std::tan(std::numbers::pi / 4 + degrees[i].y * degree / 2)), 1e-6);
     }
     geo->toFile(WorldCrs::LonLat, degrees);
     geo->toFile(WorldCrs::WebMercator, metres);
@@ -93,9 +94,11 @@ TEST(GeoReference, FindsTheNumberOfAWellKnownText) {
 }
 
 TEST(GeoReference, SaysWhyNot) {
-    EXPECT_THAT(refusalOf(CloudFacts{}), testing::HasSubstr("says nothing of its coordinate reference system"));
+    EXPECT_THAT(refusalOf(CloudFacts{}),
+                testing::HasSubstr("says nothing of its coordinate reference system"));
     EXPECT_THAT(refusalOf(cloudIn(4978)), testing::HasSubstr("Where this cloud lies"));
-    EXPECT_THAT(refusalOf(cloudWith(R"(LOCAL_CS["site grid",UNIT["metre",1]])")), testing::HasSubstr("local"));
+    EXPECT_THAT(refusalOf(cloudWith(R"(LOCAL_CS["site grid",UNIT["metre",1]])")),
+                testing::HasSubstr("local"));
     refusalOf(cloudWith("PROJCS[\"cut"));
     refusalOf(cloudIn(32700));
 }

@@ -130,18 +130,21 @@ TEST(MapPicture, WherePixelsAreNotSquareTheyAreMadeOfFinerOnes) {
 }
 
 TEST(MapPicture, OfNothingThereIsNone) {
-    const auto away = mapPicture(square(100), {{500, 500}, {600, 600}, 64, 64}, {}, std::nullopt, {9, plenty});
+    const auto away =
+        mapPicture(square(100), {{500, 500}, {600, 600}, 64, 64}, {}, std::nullopt, {9, plenty});
     ASSERT_TRUE(away);
     EXPECT_FALSE(*away);
     const Bend bend{0.002};
-    const auto projected = mapPicture(square(100), {{9000, 9000}, {9100, 9100}, 64, 64}, bend.projection(), std::nullopt, {9, plenty});
+    const auto projected = mapPicture(square(100), {{9000, 9000}, {9100, 9100}, 64, 64}, bend.projection(),
+                                      std::nullopt, {9, plenty});
     ASSERT_TRUE(projected);
     EXPECT_FALSE(*projected);
 }
 
 TEST(MapPicture, OfTheWholeWorldDrawsNoMoreThanTheCloud) {
     const Bend bend{1e-9};
-    const auto picture = mapPicture(square(100), {{-2e7, -2e7}, {2e7, 2e7}, 256, 256}, bend.projection(), std::nullopt, {9, plenty});
+    const auto picture = mapPicture(square(100), {{-2e7, -2e7}, {2e7, 2e7}, 256, 256}, bend.projection(),
+                                    std::nullopt, {9, plenty});
     ASSERT_TRUE(picture && *picture);
     EXPECT_LT((*picture)->width, 64);
     EXPECT_LT((*picture)->height, 64);

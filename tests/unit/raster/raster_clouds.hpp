@@ -43,7 +43,9 @@ inline SurveyedCloud surveyedCloud() {
     return result;
 }
 
-inline RasterRequest requested(RasterKind kind, const WordValues& words) {
+/// Of all points, those too that stand alone.
+inline RasterRequest requested(RasterKind kind, WordValues words) {
+    words.emplace_back("outliers", "show");
     return rasterRequestOf(kind, words).value();
 }
 

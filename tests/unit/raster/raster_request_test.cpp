@@ -50,7 +50,7 @@ TEST(RasterRequest, WordsThatMeanNothingAreRefusedNotDropped) {
     EXPECT_EQ(refusalOf(RasterKind::Orthophoto, {{"eye", "1,2,3"}}).field, "eye");
     EXPECT_EQ(refusalOf(RasterKind::Orthophoto, {{"width", "100"}}).field, "width");
     EXPECT_EQ(refusalOf(RasterKind::Orthophoto, {{"fill", "2"}}).field, "fill");
-    EXPECT_NE(refusalOf(RasterKind::Orthophoto, {{"with", "other"}}).message.find("one cloud at a time"),
+    EXPECT_NE(refusalOf(RasterKind::Elevation, {{"with", "other"}}).message.find("one cloud at a time"),
               std::string::npos);
     EXPECT_EQ(refusalOf(RasterKind::Elevation, {{"cell", "1"}, {"cell", "2"}}).field, "cell");
     EXPECT_NE(refusalOf(RasterKind::Elevation, {{"cel", "1"}}).message.find("cell"), std::string::npos);

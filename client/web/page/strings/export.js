@@ -9,6 +9,7 @@ export const exporting = {
   noPolygon: 'No area has been measured (M).',
   outline: 'Outline',
   classes: 'Only the classes that are shown',
+  filter: 'Only the values that are shown (filters)',
   format: 'Format',
   formats: { las: 'LAS 1.4', ply: 'PLY, binary', csv: 'CSV, with names', txt: 'Text, with blanks' },
   normals: 'Normals, too',

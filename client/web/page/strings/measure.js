@@ -56,7 +56,7 @@ export const measure = {
     uncovered: 'Without points', seenLength: 'Length with points', spread: 'Points off by', arc: 'Seen of it', slope: 'Slope (dip)', falls: 'Falls towards (aspect)', strike: 'Strike', used: 'Points that count',
   },
   attributes: {
-    rgb: 'Colour', intensity: 'Intensity', classification: 'Class', className: 'Class name', normal: 'Normal', precision: 'Exact to',
+    rgb: 'Colour', intensity: 'Intensity', classification: 'Class', className: 'Class name', normal: 'Normal', precision: 'Exact to', cloud: 'Cloud', shift: 'Shifted by',
   },
   asking: 'The server is computing…',
   asked: (trouble) => trouble || 'The server is not responding.',

@@ -25,7 +25,9 @@ class SeenBy final : public StreamWorld {
         return entry && entry->state == CloudState::Loading;
     }
     bool live(std::string_view id) const override { return clouds_.isLive(id); }
-    Expected<std::shared_ptr<const PlannedView>> plan(const Cloud&, const View&) const override { return nullptr; }
+    Expected<std::shared_ptr<const PlannedView>> plan(const Cloud&, const View&) const override {
+        return nullptr;
+    }
     double ownDetail(const View&) const override { return 1; }
     std::vector<std::string> methodNames() const override { return {}; }
 
@@ -38,7 +40,9 @@ class SceneTogether : public ::testing::Test {
     void SetUp() override {
         for (const char* id : {"one", "two", "three"}) catalog.setReady(catalog.add(id), tinyCloud(id[1]));
         shown.cloudId = "one";
-        shown.view.with = {{"two", {0, 0, 1}, std::nullopt, false}, {".", {}, Rgb8{255, 0, 0}, false}, {"three", {}, {}, false}};
+        shown.view.with = {{"two", {0, 0, 1}, std::nullopt, false},
+                           {".", {}, Rgb8{255, 0, 0}, false},
+                           {"three", {}, {}, false}};
     }
     static std::vector<std::string> namesOf(const Scene& scene) {
         std::vector<std::string> names;
@@ -70,10 +74,15 @@ TEST_F(SceneTogether, WhoFollowsSeesOfTheLeadersCloudsThoseThatHeMaySee) {
 TEST_F(SceneTogether, WhatAClientNamesItselfIsThereOrRefused) {
     const SeenBy guests{VisibleClouds(catalog, "one")};
     const SceneResolver scenes(guests, nullptr, pixels);
-    const auto own = scenes.opened({.cloud = "one", .width = 64, .height = 48});
+    messages::Hello hello;
+    hello.cloud = "one";
+    hello.width = 64;
+    hello.height = 48;
+    const auto own = scenes.opened(hello);
     ASSERT_TRUE(own);
     const auto change = [&](const char* id) {
-        return scenes.changed(*own, {.seq = 1, .cloud = std::nullopt, .changes = {{"with", {{{"cloud", id}}}}}});
+        return scenes.changed(*own,
+                              {.seq = 1, .cloud = std::nullopt, .changes = {{"with", {{{"cloud", id}}}}}});
     };
     ASSERT_FALSE(change("two"));
     Problem hidden = change("two").error(), none = change("six").error();

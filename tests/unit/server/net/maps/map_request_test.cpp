@@ -10,7 +10,8 @@
 namespace scancast {
 namespace {
 
-constexpr const char* getMap = "service=WMS&version=1.3.0&request=GetMap&layers=town&crs=EPSG:25833&bbox=1,2,3,4.5&width=30&height=20";
+constexpr const char* getMap =
+    "service=WMS&version=1.3.0&request=GetMap&layers=town&crs=EPSG:25833&bbox=1,2,3,4.5&width=30&height=20";
 
 std::string fieldOf(const std::string& query) {
     const auto parsed = parseWmsRequest(query, "town");
@@ -33,17 +34,21 @@ TEST(MapRequest, NamesComeInAnyCase) {
     EXPECT_FALSE(map.transparent);
     EXPECT_EQ(map.background, (Rgb8{255, 255, 255}));
     EXPECT_TRUE(map.words.empty());
-    const MapRequest styled = mapOf(std::string("&&") + getMap + "&Styles=elevation&TRANSPARENT=true&BgColor=0x010203&method=ewa&color=rgb&DPI=96&colormap=turbo");
+    const MapRequest styled = mapOf(
+        std::string("&&") + getMap +
+        "&Styles=elevation&TRANSPARENT=true&BgColor=0x010203&method=ewa&color=rgb&DPI=96&colormap=turbo");
     EXPECT_EQ(styled.words, (WordValues{{"method", "ewa"}, {"colormap", "turbo"}, {"color", "elevation"}}));
     EXPECT_TRUE(styled.transparent);
     EXPECT_EQ(styled.background, (Rgb8{1, 2, 3}));
 }
 
 TEST(MapRequest, OfOldVersionsHasXFirst) {
-    const MapRequest map = mapOf("REQUEST=GetMap&SRS=EPSG:4326&BBOX=1,2,3,4&WIDTH=3&HEIGHT=2&FORMAT=image/jpeg&TRANSPARENT=TRUE");
+    const MapRequest map = mapOf(
+        "REQUEST=GetMap&SRS=EPSG:4326&BBOX=1,2,3,4&WIDTH=3&HEIGHT=2&FORMAT=image/jpeg&TRANSPARENT=TRUE");
     EXPECT_FALSE(map.axesOfCrs);
     EXPECT_FALSE(map.transparent) << "JPEG is not";
-    const auto info = parseWmsRequest("VERSION=1.1.1&REQUEST=GetFeatureInfo&SRS=EPSG:4326&BBOX=1,2,3,4&WIDTH=3&HEIGHT=2&X=2&Y=1", "town");
+    const auto info = parseWmsRequest(
+        "VERSION=1.1.1&REQUEST=GetFeatureInfo&SRS=EPSG:4326&BBOX=1,2,3,4&WIDTH=3&HEIGHT=2&X=2&Y=1", "town");
     ASSERT_TRUE(info) << info.error().message;
     EXPECT_EQ(std::get<FeatureRequest>(*info).i, 2);
 }
@@ -63,7 +68,8 @@ TEST(MapRequest, WhatIsWrongIsNamed) {
     EXPECT_EQ(fieldOf(map + "&methd=ewa"), "methd");
     EXPECT_EQ(fieldOf("request=GetMap&version=1.0.0"), "VERSION");
     const std::string rest = "&width=3&height=3";
-    for (const char* box : {"", "1,2,3", "1,2,3,4,5", "1,2,1,4", "1,2,nan,4", "1,2,inf,4", "1,2,3,1e99", "a,b,c,d", "1 ,2,3,4"})
+    for (const char* box :
+         {"", "1,2,3", "1,2,3,4,5", "1,2,1,4", "1,2,nan,4", "1,2,inf,4", "1,2,3,1e99", "a,b,c,d", "1 ,2,3,4"})
         EXPECT_EQ(fieldOf("request=GetMap&crs=file&bbox=" + std::string(box) + rest), "BBOX") << box;
     EXPECT_EQ(fieldOf("request=GetMap&crs=file&bbox=1,2,3,4&width=0&height=3"), "WIDTH");
     EXPECT_EQ(fieldOf("request=GetMap&crs=file&bbox=1,2,3,4&width=3&height=16385"), "HEIGHT");
@@ -74,20 +80,24 @@ TEST(MapRequest, WhatIsWrongIsNamed) {
 
 TEST(MapRequest, TilesByEitherAddress) {
     const auto path = parseTileRequest("mercator", "3", "7", "2.jpg", "style=elevation&method=ewa");
-    const auto words = parseWmtsRequest("SERVICE=WMTS&REQUEST=GetTile&LAYER=town&STYLE=elevation&FORMAT=image/jpeg&TILEMATRIXSET=mercator&TILEMATRIX=3&TILEROW=2&TILECOL=7&method=ewa", "town");
+    const auto words = parseWmtsRequest(
+        "SERVICE=WMTS&REQUEST=GetTile&LAYER=town&STYLE=elevation&FORMAT=image/"
+        "jpeg&TILEMATRIXSET=mercator&TILEMATRIX=3&TILEROW=2&TILECOL=7&method=ewa",
+        "town");
     ASSERT_TRUE(path && words);
     const auto& tile = std::get<TileRequest>(*words);
     EXPECT_EQ(path->words, tile.words);
     EXPECT_EQ(path->x, tile.x);
     EXPECT_EQ(path->y, 2U);
     EXPECT_EQ(path->format, PictureFormat::Jpeg);
-    for (const auto& [set, z, x, y, field] : std::vector<std::array<const char*, 5>>{{"world", "0", "0", "0.png", "TILEMATRIXSET"},
-                                                                                      {"file", "25", "0", "0.png", "TILEMATRIX"},
-                                                                                      {"file", "-1", "0", "0.png", "TILEMATRIX"},
-                                                                                      {"file", "2", "4", "0.png", "TILECOL"},
-                                                                                      {"file", "2", "3", "4.png", "TILEROW"},
-                                                                                      {"file", "2", "3", "3", "FORMAT"},
-                                                                                      {"file", "2", "3", "3.tif", "FORMAT"}}) {
+    for (const auto& [set, z, x, y, field] :
+         std::vector<std::array<const char*, 5>>{{"world", "0", "0", "0.png", "TILEMATRIXSET"},
+                                                 {"file", "25", "0", "0.png", "TILEMATRIX"},
+                                                 {"file", "-1", "0", "0.png", "TILEMATRIX"},
+                                                 {"file", "2", "4", "0.png", "TILECOL"},
+                                                 {"file", "2", "3", "4.png", "TILEROW"},
+                                                 {"file", "2", "3", "3", "FORMAT"},
+                                                 {"file", "2", "3", "3.tif", "FORMAT"}}) {
         const auto wrong = parseTileRequest(set, z, x, y, "");
         ASSERT_FALSE(wrong);
         EXPECT_EQ(wrong.error().field, field);
@@ -96,13 +106,15 @@ TEST(MapRequest, TilesByEitherAddress) {
 
 TEST(TileSets, CoverTheCloudAndHalve) {
     for (const double side : {0.37, 96.0, 128.0, 1e5}) {
-        for (const glm::dvec2 low : {glm::dvec2(389452.13, 5819752.07), glm::dvec2(-0.4, -77.7), glm::dvec2(0)}) {
+        for (const glm::dvec2 low :
+             {glm::dvec2(389452.13, 5819752.07), glm::dvec2(-0.4, -77.7), glm::dvec2(0)}) {
             CloudFacts cloud;
             cloud.bounds = {glm::dvec3(low, 0), glm::dvec3(low + glm::dvec2(side, side / 3), 5)};
             cloud.spacing = side / 500;
             const TileSet set = fileTiles(cloud);
             const MapExtent whole = set.extentOf(0, 0, 0);
-            EXPECT_TRUE(whole.low.x <= low.x && whole.low.y <= low.y && whole.high.x >= low.x + side && whole.high.y >= low.y + side / 3);
+            EXPECT_TRUE(whole.low.x <= low.x && whole.low.y <= low.y && whole.high.x >= low.x + side &&
+                        whole.high.y >= low.y + side / 3);
             EXPECT_LT(whole.high.x - whole.low.x, 4.1 * side) << "and not much more";
             EXPECT_EQ(std::fmod(whole.low.x, set.pixel), 0);
             EXPECT_EQ(std::exp2(std::round(std::log2(set.pixel))), set.pixel);
@@ -120,14 +132,21 @@ TEST(ServiceException, SaysWhatServicesSay) {
     const Problem problem = problemOf(400, "CRS <must> & \"so\"\x01");
     const HttpResponse wms = exceptionResponse(MapService::Wms, problem, "CRS");
     EXPECT_EQ(wms.status, 400);
-    EXPECT_THAT(wms.text, testing::HasSubstr("<ServiceException code=\"InvalidCRS\" locator=\"CRS\">CRS &lt;must&gt; &amp; &quot;so&quot;?</ServiceException>"));
-    EXPECT_THAT(exceptionResponse(MapService::Wmts, problem, "TILEROW").text, testing::HasSubstr("exceptionCode=\"TileOutOfRange\" locator=\"TILEROW\""));
-    EXPECT_EQ(*exceptionResponse(MapService::Plain, problem).find("Content-Type"), "application/problem+json");
+    EXPECT_THAT(wms.text, testing::HasSubstr("<ServiceException code=\"InvalidCRS\" locator=\"CRS\">CRS "
+                                             "&lt;must&gt; &amp; &quot;so&quot;?</ServiceException>"));
+    EXPECT_THAT(exceptionResponse(MapService::Wmts, problem, "TILEROW").text,
+                testing::HasSubstr("exceptionCode=\"TileOutOfRange\" locator=\"TILEROW\""));
+    EXPECT_EQ(*exceptionResponse(MapService::Plain, problem).find("Content-Type"),
+              "application/problem+json");
     EXPECT_EQ(xmlText("a\xff<"), "a?&lt;");
 }
 
 TEST(PublicUrl, IsTheHostsUnlessAProxyIsTrusted) {
-    HttpRequest request{"GET", "/", {{"host", "scans.example.org:8080"}, {"x-forwarded-proto", "HTTPS"}, {"x-forwarded-prefix", "/town/"}}};
+    HttpRequest request{"GET",
+                        "/",
+                        {{"host", "scans.example.org:8080"},
+                         {"x-forwarded-proto", "HTTPS"},
+                         {"x-forwarded-prefix", "/town/"}}};
     EXPECT_EQ(publicUrl(request, false, false), "http://scans.example.org:8080");
     EXPECT_EQ(publicUrl(request, true, false), "https://scans.example.org:8080");
     EXPECT_EQ(publicUrl(request, false, true), "https://scans.example.org:8080/town");

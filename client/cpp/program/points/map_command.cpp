@@ -1,0 +1,96 @@
+// `scancast-client map`: a map of a cloud from straight above, by HTTP.
+#include <algorithm>
+#include <cstdio>
+
+#include "client/cpp/program/command.hpp"
+#include "client/cpp/program/say.hpp"
+#include "protocol/flags/view_flags.hpp"
+#include "protocol/view/view_words.hpp"
+
+namespace scancast::client {
+namespace {
+
+struct MapFlags {
+    ServerFlags server;
+    ViewFlags view;
+    std::string cloud, output;
+    MapArea area;
+    std::vector<double> box;
+    bool opaque = false;
+};
+
+bool isJpeg(const std::string& name) {
+    return name.ends_with(".jpg") || name.ends_with(".jpeg");
+}
+
+/// A map has its size, and no camera.
+bool isOfMaps(const ViewWord& word) {
+    return !word.path.starts_with("camera.") && word.word != "width" && word.word != "height";
+}
+
+Expected<void> run(const MapFlags& flags) {
+    const auto words = flags.view.words();
+    if (!words) return passOn(words);
+    const auto server = flags.server.server();
+    if (!server) return passOn(server);
+    const auto cloud = chooseCloud(*server, flags.cloud);
+    if (!cloud) return passOn(cloud);
+    MapArea area = flags.area;
+    std::copy_n(flags.box.begin(), area.box.size(), area.box.begin());
+    area.transparent = !flags.opaque;
+    const auto format = isJpeg(flags.output) ? PictureFormat::Jpeg : PictureFormat::Png;
+    const auto map = server->map(*cloud, area, *words, format);
+    if (!map) return passOn(map);
+    if (auto ok = writeFile(flags.output, map->bytes); !ok) return ok;
+    sayOn(stdout, "%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), map->bytes.size(), cloud->c_str(),
+          map->etag.c_str());
+    return {};
+}
+
+}  // namespace
+
+void addMap(CLI::App& app, int& exitCode) {
+    const auto flags = std::make_shared<MapFlags>();
+    auto& command =
+        *app.add_subcommand("map", "Fetch a map: the cloud from straight above, in any coordinates");
+    flags->server.addTo(command);
+    command
+        .add_option("-o,--output", flags->output, "The map to write: JPEG or PNG, by the ending of its name")
+        ->type_name("FILE.png|FILE.jpg")
+        ->check([](const std::string& name) {
+            return isJpeg(name) || name.ends_with(".png")
+                       ? std::string()
+                       : "the name " + name + " does not end in .png or .jpg";
+        })
+        ->required();
+    command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
+        ->type_name("ID");
+    command
+        .add_option("--crs", flags->area.crs,
+                    "What the map is in: file, the cloud's own coordinates, EPSG:3857, CRS:84, or the number "
+                    "that the cloud's have")
+        ->type_name("CRS")
+        ->capture_default_str();
+    command.add_option("--bbox", flags->box, "Its left, lower, right and upper edge")
+        ->type_name("X,Y,X,Y")
+        ->delimiter(',')
+        ->expected(4)
+        ->required();
+    command.add_option("--width", flags->area.width, "Pixels from left to right")
+        ->type_name("PIXELS")
+        ->check(CLI::Range(1, maxPictureSide))
+        ->required();
+    command.add_option("--height", flags->area.height, "Pixels from top to bottom")
+        ->type_name("PIXELS")
+        ->check(CLI::Range(1, maxPictureSide))
+        ->required();
+    command.add_flag("--opaque", flags->opaque, "White where no point is; else transparent, of a PNG");
+    flags->view.addTo(command, isOfMaps);
+    command.footer(
+        "Method, colours, what is cut away and the like are words of a view. Example:\n"
+        "  scancast-client map http://127.0.0.1:8080/ --cloud town --bbox 389400,5819700,389600,5819900 "
+        "--width 1000 --height 1000 --color elevation -o town.png");
+    command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
+}
+
+}  // namespace scancast::client

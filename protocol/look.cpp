@@ -20,8 +20,8 @@ constexpr double usualAspect = 16.0 / 9, widestFov = 90;
 constexpr std::size_t longestLookName = 64, longestLookReason = 4096;
 
 /// The members of a view that its style is printed as: all but camera, size and quality.
-constexpr std::array<std::string_view, 7> notOfStyle{"camera", "width",   "height", "detail",
-                                                     "budget", "samples", "quality"};
+constexpr std::array<std::string_view, 8> notOfStyle{"camera", "width",   "height",  "detail",
+                                                     "budget", "samples", "quality", "with"};
 
 bool isOfStyle(std::string_view key) {
     return key != "subsampling" && std::ranges::find(notOfStyle, key) == notOfStyle.end();

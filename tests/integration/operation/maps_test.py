@@ -139,13 +139,13 @@ class Maps(unittest.TestCase):
         self.assertEqual(found, status, body)
         return json.loads(body).get("points")
 
-    def assert_marks(self, picture, extent, places, off=0.5):
-        """`extent`: left, bottom, right, top of the picture, in the places' coordinates."""
+    def assert_marks(self, picture, extent, places, off=0.5, metre=1.0):
+        """`extent`: left, bottom, right, top of the picture, in the places' coordinates, of which `metre` is about one."""
         left, bottom, right, top = extent
         height, width = picture.shape[:2]
         for x, y in places:
             at = (x - left) / (right - left) * width, (top - y) / (top - bottom) * height
-            found = middle_of_red(picture, at, 2.5 * MARK / (right - left) * width * (110 if right - left < 1 else 1.7))
+            found = middle_of_red(picture, at, 3 * MARK * metre / (right - left) * width)
             self.assertLess(math.dist(at, found), off, f"{at} {found}")
 
     # ---- where marks are
@@ -170,7 +170,7 @@ class Maps(unittest.TestCase):
         for words in ({"crs": "CRS:84", "box": (left, bottom, right, top)}, {"crs": "EPSG:4326", "box": (bottom, left, top, right)}):
             _, data = self.map(words["crs"], words["box"], 500, 500)
             pictures.append(data)
-            self.assert_marks(decoded(data), (left, bottom, right, top), places)
+            self.assert_marks(decoded(data), (left, bottom, right, top), places, metre=1.5e-5)
         self.assertEqual(*pictures)
         query = urllib.parse.urlencode({"VERSION": "1.1.1", "REQUEST": "GetMap", "SRS": "EPSG:4326", "BBOX": f"{left!r},{bottom!r},{right!r},{top!r}",
                                         "WIDTH": 500, "HEIGHT": 500, "TRANSPARENT": "TRUE", "method": "circle", "shading": "unlit"})
@@ -258,8 +258,8 @@ class Maps(unittest.TestCase):
         left, top = math.floor((MIDDLE[0] - SIDE / 2) / 0.5) * 0.5, math.ceil((MIDDLE[1] + SIDE / 2) / 0.5) * 0.5
         tile = decoded(self.get("tiles/file/0/0/0.png?method=circle&shading=unlit")[1])
         self.assert_marks(tile, (left, top - 128, left + 128, top), MARKS)
-        tile = decoded(self.get("tiles/file/1/1/1.png?method=circle&shading=unlit")[1])
-        self.assert_marks(tile, (left + 64, top - 128, left + 128, top - 64), [MARKS[1]])
+        tile = decoded(self.get("tiles/file/1/1/0.png?method=circle&shading=unlit")[1])
+        self.assert_marks(tile, (left + 64, top - 64, left + 128, top), [MARKS[2]])
 
     def test_tags_save_the_work(self):
         for target in ("tiles/file/0/0/0.png", "wmts/1.0.0/WMTSCapabilities.xml", "wms?SERVICE=WMS&REQUEST=GetMap&CRS=file&BBOX=0,0,1,1&WIDTH=9&HEIGHT=9"):

@@ -158,4 +158,15 @@ Expected<GeoReference> GeoReference::create(const CloudFacts& cloud) {
     return GeoReference(std::move(proj));
 }
 
+std::string projectionsVersion() {
+    std::string version = proj_info().version;
+    const Context context(proj_context_create());
+    if (!context) return version;
+    proj_log_level(context.get(), PJ_LOG_NONE);
+    for (const char* key : {"EPSG.VERSION", "PROJ_DATA.VERSION"})
+        if (const char* said = proj_context_get_database_metadata(context.get(), key))
+            version.append(" ").append(said);
+    return version;
+}
+
 }  // namespace scancast

@@ -54,4 +54,7 @@ class GeoReference {
     std::unique_ptr<Proj> proj_;
 };
 
+/// Of PROJ and of its register of systems: where it changes, so may places. Any thread.
+std::string projectionsVersion();
+
 }  // namespace scancast

@@ -19,7 +19,7 @@ constexpr double reachSpacings = 4, reachPixels = 8;
 /// The picture of a map whose pixels are long and thin may have so many times the map's pixels, and is coarser else.
 constexpr double mostFiner = 8;
 constexpr int widestStep = 64;
-constexpr std::size_t mostNodes = 1'000'000;
+constexpr std::size_t mostNodes = 65'536;
 /// Places along an edge of the cloud's bounds that say where it lies in a map.
 constexpr int placesOfEdge = 33;
 /// px beside what a bilinear sample needs.
@@ -82,8 +82,8 @@ Window windowOf(const MapExtent& extent, const Box& box) {
         (glm::dvec2(box.low.x, extent.high.y) - glm::dvec2(extent.low.x, box.high.y)) / pixel;
     const glm::dvec2 high =
         (glm::dvec2(box.high.x, extent.high.y) - glm::dvec2(extent.low.x, box.low.y)) / pixel;
-    const glm::ivec2 first = clamped(glm::floor(low) - double(edge));
-    return {first, clamped(glm::ceil(high) + double(edge)) - first};
+    const glm::ivec2 first = clamped(glm::floor(low) - reachPixels);
+    return {first, clamped(glm::ceil(high) + reachPixels) - first};
 }
 
 /// The net of a window, in the cloud's coordinates.
@@ -174,14 +174,14 @@ tl::unexpected<Error> tooLarge(double width, double height, std::uint64_t most) 
         "width");
 }
 
-MapPicture drawnDirectly(const CloudFacts& cloud, const MapExtent& extent,
-                         const std::optional<Rgb8>& background, const MapLimits& limits) {
-    const auto fits = [&](int margin) {
-        const std::int64_t width = extent.width + 2 * margin, height = extent.height + 2 * margin;
-        return std::max(width, height) <= maxPictureSide &&
-               std::uint64_t(width) * std::uint64_t(height) <= limits.mostPixels;
-    };
-    const int margin = fits(limits.margin) ? limits.margin : 0;
+Expected<std::optional<MapPicture>> drawnDirectly(const CloudFacts& cloud, const MapExtent& extent,
+                                                  const std::optional<Rgb8>& background,
+                                                  const MapLimits& limits) {
+    const int margin = limits.margin;
+    // What is asked for is within the limit; its margin is a little more.
+    if (std::max(extent.width, extent.height) + 2 * margin > maxPictureSide ||
+        std::uint64_t(extent.width) * std::uint64_t(extent.height) > limits.mostPixels)
+        return tooLarge(extent.width + 2 * margin, extent.height + 2 * margin, limits.mostPixels);
     MapPicture picture;
     picture.width = extent.width + 2 * margin;
     picture.height = extent.height + 2 * margin;
@@ -223,7 +223,9 @@ Expected<std::optional<MapPicture>> mapPicture(const CloudFacts& cloud, const Ma
                                                const MapLimits& limits) {
     const bool isCloudsOwn = !projection.toCloud;
     const Box bounds = boundsOf(cloud);
-    Box here = boundsInMap(bounds, projection);
+    Box reached = bounds;
+    reached.grow(glm::dvec2(reachSpacings * cloud.spacing));
+    Box here = boundsInMap(reached, projection);
     if (isCloudsOwn) {
         here = bounds;
         const glm::dvec2 pixel = (extent.high - extent.low) / glm::dvec2(extent.width, extent.height);

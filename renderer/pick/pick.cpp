@@ -146,6 +146,19 @@ Expected<Picked::Of> ownerOf(const Together& together, const Style& filtered, Ne
     return Picked::Of{member.cloud, member.name, member.shift};
 }
 
+// What was drawn may stand beside the scan's surface: a sprite faces the viewer, whichever way that lies.
+glm::dvec3 onSurface(const Octree& octree, const Nearest& found, const glm::dvec3& place,
+                     const glm::dvec3& ray) {
+    constexpr double grazing = 0.15;  // rays along the plane meet it anywhere
+    if (found.sample().normal == noNormal) return place;
+    const Node& node = octree.node(found.node);
+    const glm::dvec3 normal(decodeNormal(found.sample().normal));
+    const double against = glm::dot(normal, ray);
+    if (!(std::abs(against) > grazing)) return place;
+    const double ahead = glm::dot(normal, position(node, found.sample()) - place) / against;
+    return std::abs(ahead) <= 2 * double(node.meanSpacing) ? place + ahead * ray : place;
+}
+
 double radiusOf(const Cloud& cloud, const Node& node, const Sample& sample) {
     if (!cloud.surfels || sample.logRadius == 0 || sample.logRadius == outlierRadius) return 0;
     return double(surfelRadii()[sample.logRadius]) * double(node.radiusUnit);
@@ -176,11 +189,15 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     auto nearest = nearestLeafSample(octree, *place, sampleFilter(cloud, view.style), stop);
     if (!nearest) return passOn(nearest);
     if (nearest->node == noNode) return std::nullopt;
+    const auto before = placeUnder(cloud, view, pixel, depth / 2);
+    if (!before) return passOn(before);
     Picked picked;
+    picked.surface = cloud.origin + onSurface(octree, *nearest, *place, glm::normalize(*place - *before));
     if (cloud.together) {
         auto owner = ownerOf(*cloud.together, filtered, *nearest, stop);
         if (!owner) return passOn(std::move(owner));
         picked.of = std::move(*owner);
+        picked.surface -= picked.of->shift;
     }
     const Cloud& own = picked.of ? *picked.of->cloud : cloud;
     const auto ofOwn = picked.of ? picturedOctree(own, filtered) : pictured;
@@ -188,7 +205,6 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     auto point = keptPoint(own, *ofOwn ? **ofOwn : own.octree, *nearest);
     if (!point) return passOn(std::move(point));
     picked.point = std::move(*point);
-    picked.surface = cloud.origin + *place;
     picked.sample = nearest->sample();
     picked.radius = radiusOf(own, own.octree.node(nearest->node), picked.sample);
     picked.depth = depth;

@@ -24,7 +24,9 @@ struct Picked {
     /// The scan's own point, with all that is kept of it. Where its coordinates are rounded (not `exact`), without digits that say
     /// nothing.
     KeptPoint point;
-    /// Where the surface that was drawn lies under the pixel's middle, file coordinates: no point of the scan, but the place that was meant.
+    /// The place of the surface under the pixel's middle, file coordinates: no point of the scan, but nearer to what was pointed at than
+    /// the nearest one. Where the pixel's ray meets the plane through the point that its normal says; where that is none, or far from what the
+    /// picture's depth says, what that says.
     glm::dvec3 surface{0};
     Sample sample{};      ///< its attributes
     double radius = 0;    ///< of its surfel, cloud units; 0 = it has none
@@ -33,7 +35,7 @@ struct Picked {
     /// Of several clouds together, whose point it is: what is said of it is as that cloud has it, unmoved and untinted.
     struct Of {
         std::shared_ptr<const Cloud> cloud;
-        std::string name;      ///< as the view calls it
+        std::string name;     ///< as the view calls it
         glm::dvec3 shift{0};  ///< by which it is seen elsewhere
     };
     std::optional<Of> of{};

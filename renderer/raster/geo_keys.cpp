@@ -38,7 +38,8 @@ std::string asKey(std::string_view text) {
 bool isGeographic(const CrsUnits& units, const std::optional<int>& epsg) {
     if (units.kind == CrsUnits::Kind::Geographic) return true;
     // A number alone: that block of the register is geographic systems.
-    return units.kind == CrsUnits::Kind::Unknown && epsg && *epsg >= 4000 && *epsg < 5000;
+    const int number = epsg.value_or(0);
+    return units.kind == CrsUnits::Kind::Unknown && number >= 4000 && number < 5000;
 }
 
 double heightMetres(const CrsUnits& units) {

@@ -91,6 +91,7 @@ nlohmann::json pickedJson(const Cloud& shown, const Picked& picked) {
     nlohmann::json json{{"position", numbers(picked.point.position)},
                         {"precision", numbers(picked.point.precision)},
                         {"exact", picked.point.exact},
+                        {"surface", numbers(picked.surface)},
                         {"crs", crsJson(cloud)},
                         {"attributes", attributesJson(picked.point)},
                         {"depth", picked.depth},

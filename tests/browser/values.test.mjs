@@ -249,7 +249,7 @@ describe('values, and clouds together', { timeout: 290_000 }, () => {
     await page.click('summary:has-text("Elevation and orthophoto")');
     await page.fill('#raster-cell', '0.5');
     await page.keyboard.press('Tab');
-    assert.match(await page.textContent('#raster-size'), /^40 × 40 cells, at most about 6\.4 kB$/);
+    assert.match(await page.textContent('#raster-size'), /^About 40 × 40 cells, 6\.4 kB before they are packed$/);
     await page.fill('#raster-cell', '0');
     assert.match(await page.textContent('#raster-refusal'), /above 0/);
     await page.fill('#raster-cell', '0.25');

@@ -293,6 +293,7 @@ class PickedPoint:
     normal: Optional[Vector3] = None
     radius: Optional[float] = None
     exact: Optional[bool] = None
+    surface: Optional[Vector3] = None  # the place under the pixel itself, between the points
     crs: Optional[Crs] = None
     cloud: str = ""  # of a view of several (with_): whose point it is
     shift: Optional[Vector3] = None  # and by which it is seen elsewhere

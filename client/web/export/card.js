@@ -24,6 +24,7 @@ export const card = `
       <div class="row field"><label for="raster-cell" data-text="maps.cell"></label><input type="number" id="raster-cell" min="0" step="any" aria-describedby="raster-unit"><span id="raster-unit"></span></div>
       <p id="raster-refusal" class="refusal"></p>
       <p id="raster-size" class="note" role="status"></p>
+      <p id="raster-alone" class="note" data-text="maps.alone" hidden></p>
       <div class="buttons"><button type="button" id="raster-save" data-text="maps.save"></button></div>
     </details>
     <details id="map-services">

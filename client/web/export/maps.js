@@ -4,6 +4,7 @@ import { NumberField } from '../page/number_field.js';
 import { element } from '../page/parameter_fields.js';
 import { unitName } from '../page/plan/lengths.js';
 import { exporting as words } from '../page/strings/export.js';
+import { ownShift } from '../page/members.js';
 import { printQuery, styleKeys, wordsOf } from '../protocol/view_words.js';
 import { pick } from '../view/usual.js';
 import { sizeText } from './sizes.js';
@@ -11,7 +12,7 @@ import { sizeText } from './sizes.js';
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const ofPoints = ['classes', 'clip', 'clips', 'filter', 'outliers', 'behindMirrors']; // which of them count
-const notOfMaps = ['background', 'detail', 'budget', 'quality', 'subsampling', 'with'];
+const notOfMaps = ['background', 'detail', 'budget', 'quality', 'subsampling'];
 const places = [24, 16]; // at which the picture's extent is looked for
 
 /** Of the words of a view, those that are not the cloud's own, as a query has them: '' or 'color=elevation&…'. Pure. */
@@ -82,8 +83,6 @@ export class Maps {
     this.#field.show(this.#cell);
     find('raster-unit').textContent = unitName(cloud.crsUnit);
     this.#shown = this.#seen();
-    find('raster-extent').options[1].disabled = !this.#shown;
-    if (!this.#shown) find('raster-extent').value = 'all';
     this.#showSize();
   }
 
@@ -98,28 +97,42 @@ export class Maps {
 
   /** What the picture shows of the cloud, as a box in plan; undefined where it shows nothing. */
   #seen() {
-    const { cssSize: { width, height }, bounds } = this.#viewer;
+    const { cssSize: { width, height } } = this.#viewer;
     const found = Array.from({ length: places[0] * places[1] }, (_, i) => this.#viewer.surfaceAt({
       x: ((i % places[0]) + 0.5) * (width / places[0]), y: (Math.floor(i / places[0]) + 0.5) * (height / places[1]),
     })?.point).filter(Boolean);
-    const box = [Math.min, Math.max].flatMap((most) => [0, 1].map((axis) => Math.min(bounds.max[axis], Math.max(bounds.min[axis], most(...found.map((point) => point[axis]))))));
-    return found.length > 0 && box[0] < box[2] && box[1] < box[3] ? box : undefined;
+    return found.length > 0 ? [Math.min, Math.max].flatMap((most) => [0, 1].map((axis) => most(...found.map((point) => point[axis])))) : undefined;
   }
 
+  get #isOrtho() { return find('raster-kind').value === 'ortho'; }
+
+  /** A box in plan: of an orthophoto, of all that is seen; else of this cloud as its file has it. Undefined where the picture shows nothing of that. */
   get #box() {
-    const { min, max } = this.#viewer.cloud.bounds;
-    return find('raster-extent').value === 'shown' ? this.#shown : [min[0], min[1], max[0], max[1]];
+    const { cloud, bounds, view } = this.#viewer;
+    const { min, max } = this.#isOrtho ? bounds : cloud.bounds;
+    const all = [min[0], min[1], max[0], max[1]];
+    if (find('raster-extent').value !== 'shown') return all;
+    const shift = (!this.#isOrtho && ownShift(view)) || [0, 0];
+    const box = this.#shown?.map((value, i) => Math.min(all[2 + (i % 2)], Math.max(all[i % 2], value - shift[i % 2])));
+    return box && box[0] < box[2] && box[1] < box[3] ? box : undefined;
   }
 
   #showSize() {
-    const { columns, rows, bytes } = rasterSize(this.#box, this.#cell);
+    const box = this.#box;
+    find('raster-save').disabled = !box;
+    find('raster-alone').hidden = this.#isOrtho || !this.#viewer.view.with;
+    if (!box) {
+      find('raster-size').textContent = words.maps.nothing;
+      return;
+    }
+    const { columns, rows, bytes } = rasterSize(box, this.#cell);
     find('raster-size').textContent = words.maps.size(columns, rows, sizeText(bytes));
   }
 
   #begin() {
     const { cloud, view } = this.#viewer;
     const kind = find('raster-kind').value;
-    const isOrtho = kind === 'ortho';
+    const isOrtho = this.#isOrtho;
     const decimals = Math.max(0, 3 - Math.floor(Math.log10(this.#cell)));
     const query = [
       find('raster-extent').value === 'shown' ? `bbox=${this.#box.map((value) => Number(value.toFixed(Math.min(9, decimals)))).join()}` : '', `cell=${this.#cell}`,

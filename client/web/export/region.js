@@ -1,6 +1,7 @@
 // Which points of a scan somebody wants, in the words of `POST /clouds/{id}/points` and `…/profile`: what a view shows of it, by classes, boxes and
 // shapes; a polygon that has been measured. Pure.
 
+import { ownShift } from '../page/members.js';
 import { columnOf } from '../protocol/view_words.js';
 
 /** Columns that stand beside colours in a view and mean nothing for points. */
@@ -16,15 +17,19 @@ export const limitsOf = (view) => ({ classes: hasClasses(view), shapes: hasShape
 
 /**
  * The region; undefined for all of the scan. `wanted`: { classes: only those that the view shows, shapes: only what its boxes and shapes leave,
- * filter: only the values that it shows, polygon: [[x, y], …] }
+ * filter: only the values that it shows, polygon: [[x, y], …] }. Places are the file's: a scan that is shifted in the view is seen elsewhere.
  */
 export function regionOf(view, wanted = { classes: true, shapes: true, filter: true }) {
-  const region = {};
-  if (wanted.shapes && view?.clip) region.clip = view.clip;
-  if (wanted.shapes && view?.clips?.length > 0) region.clips = view.clips;
+  const region = /** @type {any} */ ({});
+  const shift = ownShift(view);
+  const inFile = (place) => (shift ? place.map((value, axis) => value - shift[axis]) : place);
+  if (wanted.shapes && view?.clip) region.clip = { min: inFile(view.clip.min), max: inFile(view.clip.max) };
+  if (wanted.shapes && view?.clips?.length > 0) {
+    region.clips = view.clips.map((shape) => (shape.box ? { ...shape, box: { ...shape.box, center: inFile(shape.box.center) } } : { plane: { ...shape.plane, point: inFile(shape.plane.point) } }));
+  }
   if (wanted.classes && hasClasses(view)) region.classes = view.classes;
   if (wanted.filter && hasFilter(view)) region.filter = view.filter;
-  if (wanted.polygon) region.polygon = wanted.polygon.map(([x, y]) => [x, y]);
+  if (wanted.polygon) region.polygon = wanted.polygon.map((point) => inFile(point).slice(0, 2));
   return Object.keys(region).length > 0 ? region : undefined;
 }
 

@@ -1,6 +1,8 @@
 // What only the server can measure, because it takes the scan's own points and not only those that were picked: volumes, and shapes
 // that are fitted. It is asked once for each measure, and again where that has changed; one question at a time, as a link may hold hundreds.
 
+import { isAlone } from '../page/members.js';
+import { measure as words } from '../page/strings/measure.js';
 import { fits } from './fits.js';
 import { kinds } from './values.js';
 
@@ -41,6 +43,7 @@ export class Answers {
     const { cloud, view, server } = this.#viewer;
     let facts;
     try {
+      if (!isAlone(view)) throw Object.assign(new Error(words.notAlone), { title: words.notAlone });
       const answer = await server.measure(cloud.id, questionOf(measure, view));
       facts = answer ? { answer } : { trouble: '' };
     } catch (/** @type {any} */ error) {

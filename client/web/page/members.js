@@ -17,6 +17,15 @@ export function membersOf(view, cloud, clouds) {
   });
 }
 
+/** How far this cloud itself is shifted from where its file has it; undefined where it is not. */
+export const ownShift = (view) => {
+  const shift = view?.with?.find(({ cloud }) => cloud === itself)?.shift;
+  return shift?.some((value) => value !== 0) ? shift : undefined;
+};
+
+/** Whether other clouds are seen with this one, or it is not where its file has it: then what is computed of its points alone says something else. */
+export const isAlone = (view) => !ownShift(view) && !view?.with?.some(({ cloud, hidden }) => cloud !== itself && !hidden);
+
 /** The word for these members: null where this cloud is alone, as it is. */
 export function wordOf(members) {
   const plain = members.map(({ cloud, shift, tint, hidden }) => ({

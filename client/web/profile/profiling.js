@@ -11,6 +11,7 @@ import { pickOr } from '../measure/picking.js';
 import { measuresLengths, unitOf, valueText } from '../measure/units.js';
 import { usualUpAxis } from '../view/usual.js';
 import { putCard } from '../page/lazy_tools.js';
+import { ownShift } from '../page/members.js';
 import { counted, strings } from '../page/strings.js';
 import { profile as words } from '../page/strings/profile.js';
 import { isEmpty, partQuestion, pointSizeFor, pointsQuestion, toldBy, wholeQuestion } from './asking.js';
@@ -269,7 +270,7 @@ export class Profiling {
       await this.#ask(small, words.none, (told, image) => {
         image.close();
         find('profile-said').textContent = words.points(counted(told.points, 'point'));
-        this.#panel.say('');
+        this.#panel.say(ownShift(this.#viewer.view) ? words.shifted : '');
         plot.renew({ length: told.length, heights: told.heights });
       });
       return;
@@ -279,7 +280,7 @@ export class Profiling {
     const ask = wholeQuestion(this.#profile, this.#viewer.view, { width: Math.round(size.width * plot.ratio), height: Math.round(size.height * plot.ratio) }, Math.round(1.5 * plot.ratio));
     await this.#ask(ask, words.none, (told, image) => {
       find('profile-said').textContent = words.points(counted(told.points, 'point'));
-      this.#panel.say('');
+      this.#panel.say(ownShift(this.#viewer.view) ? words.shifted : '');
       plot.know({ length: told.length, heights: told.heights });
       plot.show({ image, left: 0, right: told.right, bottom: told.bottom, top: told.top });
     });
@@ -293,7 +294,7 @@ export class Profiling {
       return;
     }
     this.#ask(part.question, words.nothing, (told, image) => {
-      this.#panel.say('');
+      this.#panel.say(ownShift(this.#viewer.view) ? words.shifted : '');
       this.#panel.plot.show({ image, left: part.from, right: part.from + told.right, bottom: told.bottom, top: told.top });
     });
   }

@@ -14,7 +14,7 @@ import { card } from './card.js';
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const axes = ['X', 'Y', 'Z'];
-const stepsOffered = [0.001, 0.01, 0.1, 1, 10];
+const stepsFor = ({ crsUnit }) => [0.001, 0.01, 0.1, 1, 10].map((step) => (crsUnit === 'degree' ? step / 1e5 : step));
 const mostListed = 30;
 const searchedFrom = 8; // so many others are found without
 
@@ -40,7 +40,7 @@ export function othersOf(own, shown, { clouds, pending = [] }, search = '') {
 }
 
 /** A coordinate of a shift, one step on; without the dust of binary fractions. Pure. */
-export const stepped = (value, step) => Number((value + step).toFixed(6));
+export const stepped = (value, step) => Number((value + step).toPrecision(12));
 
 export class Together {
   #viewer;
@@ -168,11 +168,13 @@ export class Together {
   }
 
   #details(cloud, fields) {
-    const steps = element('select', {}, ...stepsOffered.map((value) => element('option', { value: String(value), textContent: String(value), selected: value === this.#step })));
-    steps.addEventListener('change', () => { this.#step = Number(steps.value); });
+    const steps = stepsFor(this.#viewer.cloud);
+    if (!steps.includes(this.#step)) [, , this.#step] = steps;
+    const select = element('select', {}, ...steps.map((value) => element('option', { value: String(value), textContent: String(value), selected: value === this.#step })));
+    select.addEventListener('change', () => { this.#step = Number(select.value); });
     const remove = cloud === itself ? [] : [keyed(`remove-${cloud}`, { textContent: words.remove }, () => this.#put(this.#members.filter((one) => one.cloud !== cloud)))];
     return element('div', { className: 'details' }, element('h3', { textContent: words.shift }), ...fields.map(({ node }) => node),
-      element('label', { className: 'row' }, element('span', { textContent: words.step }), steps),
+      element('label', { className: 'row' }, element('span', { textContent: words.step }), select),
       element('div', { className: 'buttons' }, keyed(`still-${cloud}`, { textContent: words.noShift }, () => this.#change(cloud, { shift: undefined })),
         keyed(`plain-${cloud}`, { textContent: words.noTint }, () => this.#change(cloud, { tint: undefined })), ...remove));
   }

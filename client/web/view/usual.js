@@ -16,8 +16,9 @@ export const restyled = (style, changes = /** @type {any} */ ({})) =>
 export function askable(view, of) {
   if (of?.state !== 'loading') return view;
   const isUnknown = (name) => name !== undefined && !of.columns?.some((one) => one.name === name);
+  const known = view.filter?.filter(({ column }) => !isUnknown(column));
   return {
-    ...view, ...(view.filter?.some(({ column }) => isUnknown(column)) ? { filter: null } : {}),
+    ...view, ...(known && known.length < view.filter.length ? { filter: known.length > 0 ? known : null } : {}),
     ...(isUnknown(columnOf(view.color)) ? { color: 'auto', range: null } : {}),
   };
 }

@@ -8,7 +8,6 @@
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/exact_places.hpp"
 #include "renderer/cloud/file/plane_index.hpp"
-#include "renderer/cloud/file/plane_index.hpp"
 
 namespace scancast {
 

@@ -27,6 +27,7 @@ std::string publicUrl(const HttpRequest& request, bool encrypted, bool trusted) 
         if (isPath(path)) prefix = path;
         while (prefix.ends_with('/')) prefix.pop_back();
     }
+    if (request.header("host").empty()) return prefix;  // HTTP/1.0: paths are all that can be said
     std::string url = scheme;
     url += "://";
     url += request.header("host");

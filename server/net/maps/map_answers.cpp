@@ -3,22 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <deque>
-#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "protocol/points/lonlat_request.hpp"
 #include "protocol/view/view_words.hpp"
 #include "renderer/plan.hpp"
 #include "server/base/faults.hpp"
-#include "server/catalog/describe_point.hpp"
 #include "server/net/api/negotiate.hpp"
 #include "server/net/api/picture_headers.hpp"
 #include "server/net/api/picture_request.hpp"
-#include "server/net/maps/capabilities.hpp"
-#include "server/net/maps/feature_text.hpp"
+#include "server/net/maps/map_asked.hpp"
 #include "server/net/maps/map_place.hpp"
-#include "server/net/maps/service_exception.hpp"
 #include "server/net/maps/tile_sets.hpp"
 #include "server/scheduler/picture_bytes.hpp"
 
@@ -26,32 +20,15 @@ namespace scancast {
 namespace {
 
 constexpr std::size_t mostWaitingMaps = 256;
-constexpr std::size_t mostReferences = 16;
-/// px: of the picture in whose middle a place is looked at.
-constexpr int lookedAtSide = 33;
-/// ms of a reference core to encode a pixel of nothing.
-constexpr double forEmptyPixel = 15e-6;
+/// As many as a GIS program, or a page with several browsers behind one address, asks for at a time.
+constexpr std::size_t mostOfClient = 96;
+/// ms of a reference core: to find out what a map needs, and to make it of its picture, or of nothing, for each pixel.
+constexpr double forMap = 1, forMapPixel = 20e-6;
+/// Of a net and what it is held against, of the most that there may be.
+constexpr std::uint64_t bytesOfNet = std::uint64_t(8) << 20;
 
 bool saysWord(const WordValues& words, std::string_view name) {
     return std::ranges::any_of(words, [name](const auto& word) { return word.first == name; });
-}
-
-/// A map has one background; the camera looks straight down, on all of the cloud until there is an extent.
-Expected<View> asMap(const Cloud& cloud, View view, const MapRequest& map) {
-    view.width = map.width;
-    view.height = map.height;
-    view.camera = cameraAbove(cloud, (glm::dvec2(cloud.bounds[0]) + glm::dvec2(cloud.bounds[1])) * 0.5, 1);
-    Background& background = view.style.background;
-    if (!saysWord(map.words, "background")) {
-        background = {map.transparent ? Background::Kind::Transparent : Background::Kind::Color,
-                      map.background, map.background};
-    }
-    if (background.kind == Background::Kind::Gradient)
-        return fail(ErrorCode::InvalidArgument, "background: a map has one colour, or is transparent",
-                    "background");
-    if (background.kind == Background::Kind::Transparent && map.format != PictureFormat::Png)
-        background = {Background::Kind::Color, map.background, map.background};
-    return view;
 }
 
 std::optional<Rgb8> backgroundOf(const View& view) {
@@ -89,28 +66,22 @@ MapService serviceOf(Route route) {
 
 }  // namespace
 
-/// Who asked, for what cloud. Shared by all who work for it.
-struct MapAnswers::Asked {
-    explicit Asked(const VisibleClouds& visible) : clouds(visible) {}
-
-    std::shared_ptr<const Cloud> cloud;  ///< what the words of a view show
-    VisibleClouds clouds;
-    bool live = false;
-    MapService service = MapService::Plain;
-    HttpRequest request;
-    std::string id, path;
-    Respond respond;
-    std::stop_token gone;
-
-    void refuse(Problem problem, std::string_view field = {}) const {
-        problem.instance = path;
-        const int status = problem.status;
-        HttpResponse response = exceptionResponse(service, problem, field);
-        if (status == 429 || status == 503) response.set("Retry-After", "1");
-        respond(std::move(response));
+Expected<View> asMap(const Cloud& cloud, View view, const MapRequest& map) {
+    view.width = map.width;
+    view.height = map.height;
+    view.camera = cameraAbove(cloud, (glm::dvec2(cloud.bounds[0]) + glm::dvec2(cloud.bounds[1])) * 0.5, 1);
+    Background& background = view.style.background;
+    if (!saysWord(map.words, "background")) {
+        background = {map.transparent ? Background::Kind::Transparent : Background::Kind::Color,
+                      map.background, map.background};
     }
-    void refuse(const Error& error) const { refuse(problemOf(error), error.field); }
-};
+    if (background.kind == Background::Kind::Gradient)
+        return fail(ErrorCode::InvalidArgument, "background: a map has one colour, or is transparent",
+                    "background");
+    if (background.kind == Background::Kind::Transparent && map.format != PictureFormat::Png)
+        background = {Background::Kind::Color, map.background, map.background};
+    return view;
+}
 
 /// A map's picture, before anybody knows what has to be drawn for it.
 struct MapAnswers::Ordered {
@@ -129,29 +100,6 @@ struct MapAnswers::Ordered {
     }
 };
 
-/// Where clouds are, remembered: PROJ needs milliseconds to find out.
-class MapAnswers::References {
-  public:
-    const Expected<GeoReference>& of(const Cloud& cloud) {
-        for (auto at = known_.begin(); at != known_.end(); ++at) {
-            if (at->wkt != cloud.crsWkt || at->epsg != cloud.crsEpsg) continue;
-            if (at != known_.begin()) std::rotate(known_.begin(), at, at + 1);
-            return known_.front().reference;
-        }
-        known_.push_front({cloud.crsWkt, cloud.crsEpsg, GeoReference::create(cloud)});
-        if (known_.size() > mostReferences) known_.pop_back();
-        return known_.front().reference;
-    }
-
-  private:
-    struct Known {
-        std::string wkt;
-        std::optional<int> epsg;
-        Expected<GeoReference> reference;
-    };
-    std::deque<Known> known_;
-};
-
 MapAnswers::MapAnswers(MapOptions options, const Admission& admission, const SharedPictures& pictures,
                        const Picker& picker, const Scheduler& scheduler, Metrics& metrics,
                        TransientMemory memory)
@@ -162,6 +110,8 @@ MapAnswers::MapAnswers(MapOptions options, const Admission& admission, const Sha
       scheduler_(scheduler),
       metrics_(metrics),
       memory_(std::move(memory)),
+      projections_(projectionsVersion()),
+      places_({.all = mostWaitingMaps, .client = mostOfClient}),
       references_(std::make_unique<References>()),
       worker_(mostWaitingMaps) {}
 
@@ -179,6 +129,9 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
     auto cloud = clouds.cloud(routed.id);
     if (!cloud) return asked->refuse(std::move(cloud.error()));
     asked->cloud = std::move(*cloud);
+    auto place = places_.take(request.client);
+    if (!place) return asked->refuse(std::move(place.error()));
+    asked->place = std::move(*place);
     switch (routed.route) {
         case Route::Wms:
             return wms(asked, routed.query);
@@ -276,7 +229,7 @@ void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& loo
     Ordered ordered{map, std::move(*view), (*planned)->margin, device.info, {}};
     ordered.tag =
         contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
-                   printedMap(ordered.map));
+                   printedMap(ordered.map) + (needsReference(ordered.map) ? projections_ : std::string()));
     HttpResponse head = ordered.head(*asked);
     if (matchesAny(asked->request.header("if-none-match"), ordered.tag)) {
         head.status = 304;
@@ -286,11 +239,16 @@ void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& loo
         head.bodyUnknown = true;
         return asked->respond(std::move(head));
     }
+    const double pixels = double(ordered.map.width) * ordered.map.height;
+    auto work = admission_.take(asked->request.client, forMap + pixels * forMapPixel);
+    if (!work) return asked->refuse(work.error());
+    asked->work = std::move(*work);
     post(asked, [this, asked, ordered = std::move(ordered)] { draw(asked, ordered); });
 }
 
 void MapAnswers::draw(const Shared& asked, const Ordered& ordered) const {
     const Cloud& cloud = *asked->cloud;
+    TransientMemory::Hold net = memory_.hold(MemoryUse::Answers, bytesOfNet);
     static const Expected<GeoReference> notNeeded = fail(ErrorCode::Internal, "no reference is needed");
     const auto& geo = needsReference(ordered.map) ? references_->of(cloud) : notNeeded;
     const auto placement = placementOf(ordered.map, geo);
@@ -356,8 +314,6 @@ void MapAnswers::draw(const Shared& asked, const Ordered& ordered) const {
 void MapAnswers::answerEmpty(const Shared& asked, const Ordered& ordered) const {
     const MapRequest& map = ordered.map;
     const double pixels = double(map.width) * map.height;
-    const auto work = admission_.take(asked->request.client, pixels * forEmptyPixel);
-    if (!work) return asked->refuse(work.error());
     auto kept = admission_.keep(asked->request.client, std::uint64_t(pixels));
     if (!kept) return asked->refuse(kept.error());
     const TransientMemory::Hold hold = memory_.hold(MemoryUse::Frames, std::uint64_t(pixels) * 8);
@@ -367,87 +323,6 @@ void MapAnswers::answerEmpty(const Shared& asked, const Ordered& ordered) const 
     HttpResponse response = ordered.head(*asked);
     response.bytes = memory_.shared(MemoryUse::Answers, std::move(*bytes), std::move(*kept));
     asked->respond(std::move(response));
-}
-
-void MapAnswers::feature(const Shared& asked, const FeatureRequest& request, const View& looked) const {
-    const auto view = asMap(*asked->cloud, looked, request.map);
-    if (!view) return asked->refuse(view.error());
-    post(asked, [this, asked, request, view = *view] { pick(asked, request, view); });
-}
-
-void MapAnswers::pick(const Shared& asked, const FeatureRequest& request, View view) const {
-    static const Expected<GeoReference> notNeeded = fail(ErrorCode::Internal, "no reference is needed");
-    const auto& geo = needsReference(request.map) ? references_->of(*asked->cloud) : notNeeded;
-    const auto placement = placementOf(request.map, geo);
-    if (!placement) return asked->refuse(placement.error());
-    const glm::dvec2 pixel(request.i + 0.5, request.j + 0.5);
-    const glm::dvec2 there = placement->extent.placeAt(pixel);
-    const auto place = placeUnder(placement->extent, placement->projection, pixel);
-    if (!place) return asked->respond(featureResponse(request.format, nullptr, there));
-    view.width = view.height = lookedAtSide;
-    view.camera = cameraAbove(*asked->cloud, place->place, lookedAtSide * place->unitsPerPixel);
-    const auto planned = plan(*asked->cloud, view);
-    if (!planned) return asked->refuse(planned.error());
-    const auto price = admission_.price(*asked->cloud, **planned, PictureFormat::Depth);
-    if (!price) return asked->refuse(price.error());
-    auto work = admission_.take(asked->request.client, *price);
-    if (!work) return asked->refuse(work.error());
-    auto done = [asked, format = request.format, there, price = *price,
-                 ticket = std::make_shared<WorkBudget::Ticket>(std::move(*work))](
-                    const Expected<std::optional<Picked>>& picked) {
-        ticket->reset();
-        if (!picked) return asked->refuse(picked.error());
-        HttpResponse response =
-            featureResponse(format, *picked ? pickedJson(*asked->cloud, **picked) : nlohmann::json(), there);
-        response.price = price / 1000;
-        asked->respond(std::move(response));
-    };
-    const double middle = lookedAtSide * 0.5;
-    if (auto queued = picker_.pick(asked->cloud, *planned, middle, middle, std::move(done),
-                                   {asked->request.client, *price, asked->gone});
-        !queued)
-        asked->refuse(queued.error());
-}
-
-void MapAnswers::capabilities(const Shared& asked, const CapabilitiesRequest& request, bool isWmts) const {
-    post(asked, [this, asked, request, isWmts] {
-        const Cloud& cloud = *asked->cloud;
-        const auto& geo = references_->of(cloud);
-        MapFacts facts = mapFacts(cloud, geo ? &*geo : nullptr);
-        facts.layer = asked->id;
-        facts.address = asked->request.base + "/api/v1/clouds/" + asked->id;
-        facts.words = request.words;
-        facts.widest = int(std::min(std::sqrt(double(options_.maxPixels)), double(maxPictureSide)));
-        HttpResponse response;
-        response.text = isWmts ? wmtsCapabilities(facts, cloud) : wmsCapabilities(facts);
-        const std::string tag = contentTag(response.text);
-        response.set("Content-Type", isWmts ? "application/xml; charset=utf-8" : "text/xml; charset=utf-8")
-            .set("ETag", tag)
-            .set("Cache-Control", asked->live ? "no-store" : "no-cache");
-        if (matchesAny(asked->request.header("if-none-match"), tag)) {
-            response.status = 304;
-            response.text.clear();
-        }
-        asked->respond(std::move(response));
-    });
-}
-
-void MapAnswers::lonLat(const Shared& asked, const std::string& body) const {
-    auto parsed = parseLonLatRequest(body);
-    if (!parsed) return asked->refuse(parsed.error());
-    post(asked, [this, asked, request = std::move(*parsed)]() mutable {
-        const auto& geo = references_->of(*asked->cloud);
-        if (!geo) return asked->refuse(geo.error());
-        auto& places = request.points;
-        if (request.toFile)
-            geo->toFile(WorldCrs::LonLat, places);
-        else
-            geo->fromFile(WorldCrs::LonLat, places);
-        LonLatPoints points;
-        for (const glm::dvec2& place : places)
-            points.push_back(std::isfinite(place.x) ? std::optional(place) : std::nullopt);
-        asked->respond(jsonResponse({{"points", toJson(points)}, {"crs", crsJson(*asked->cloud)}}));
-    });
 }
 
 }  // namespace scancast

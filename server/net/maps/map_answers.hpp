@@ -18,6 +18,7 @@
 #include "server/net/api/picker.hpp"
 #include "server/net/api/router.hpp"
 #include "server/net/api/shared_pictures.hpp"
+#include "server/net/points/work_places.hpp"
 #include "server/net/worker.hpp"
 #include "server/price/admission.hpp"
 
@@ -76,6 +77,8 @@ class MapAnswers {
     const Scheduler& scheduler_;
     Metrics& metrics_;
     const TransientMemory memory_;
+    const std::string projections_;  ///< whose they are: part of tags
+    const WorkPlaces places_;
     const std::unique_ptr<References> references_;  // the worker's own
     mutable Worker worker_;                         // last: ends before the rest
 };

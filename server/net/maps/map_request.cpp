@@ -1,175 +1,15 @@
 #include "server/net/maps/map_request.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <utility>
 
+#include "protocol/problem.hpp"
 #include "protocol/view/view_words.hpp"
 #include "server/net/api/http_message.hpp"
+#include "server/net/maps/map_words.hpp"
 
 namespace scancast {
 namespace {
-
-/// Of the standards, in capitals; what several versions or programs say and nothing follows from is among them.
-constexpr std::array standardNames{std::string_view("SERVICE"),
-                                   std::string_view("VERSION"),
-                                   std::string_view("REQUEST"),
-                                   std::string_view("LAYERS"),
-                                   std::string_view("LAYER"),
-                                   std::string_view("STYLES"),
-                                   std::string_view("STYLE"),
-                                   std::string_view("CRS"),
-                                   std::string_view("SRS"),
-                                   std::string_view("BBOX"),
-                                   std::string_view("WIDTH"),
-                                   std::string_view("HEIGHT"),
-                                   std::string_view("FORMAT"),
-                                   std::string_view("TRANSPARENT"),
-                                   std::string_view("BGCOLOR"),
-                                   std::string_view("EXCEPTIONS"),
-                                   std::string_view("QUERY_LAYERS"),
-                                   std::string_view("INFO_FORMAT"),
-                                   std::string_view("FEATURE_COUNT"),
-                                   std::string_view("I"),
-                                   std::string_view("J"),
-                                   std::string_view("X"),
-                                   std::string_view("Y"),
-                                   std::string_view("TILEMATRIXSET"),
-                                   std::string_view("TILEMATRIX"),
-                                   std::string_view("TILEROW"),
-                                   std::string_view("TILECOL"),
-                                   std::string_view("UPDATESEQUENCE"),
-                                   std::string_view("ACCEPTVERSIONS"),
-                                   std::string_view("SECTIONS"),
-                                   std::string_view("ACCEPTFORMATS"),
-                                   std::string_view("DPI"),
-                                   std::string_view("MAP_RESOLUTION"),
-                                   std::string_view("FORMAT_OPTIONS"),
-                                   std::string_view("TILED"),
-                                   std::string_view("WMTVER"),
-                                   std::string_view("TIME"),
-                                   std::string_view("ELEVATION"),
-                                   std::string_view("SLD"),
-                                   std::string_view("SLD_BODY")};
-
-constexpr double farthest = 1e15;
-
-std::string inCapitals(std::string_view text) {
-    std::string upper(text);
-    for (char& c : upper)
-        if (c >= 'a' && c <= 'z') c = char(c - 'a' + 'A');
-    return upper;
-}
-
-tl::unexpected<Error> wrongWord(std::string_view name, std::string_view must) {
-    std::string message(name);
-    message.append(" ").append(must);
-    return fail(ErrorCode::InvalidArgument, std::move(message), std::string(name));
-}
-
-/// A query, as its standard's words and the view's.
-struct MapWords {
-    std::vector<std::pair<std::string, std::string>> standard;
-    WordValues view;
-
-    const std::string* find(std::string_view name) const {
-        for (const auto& [key, value] : standard)
-            if (key == name) return &value;
-        return nullptr;
-    }
-    std::string text(std::string_view name) const {
-        const std::string* const value = find(name);
-        return value == nullptr ? std::string() : *value;
-    }
-};
-
-bool isOfCamera(std::string_view word) {
-    for (const ViewWord& known : viewWords())
-        if (known.word == word)
-            return known.path.starts_with("camera.") || word == "width" || word == "height";
-    return false;
-}
-
-Expected<void> checkViewWords(const WordValues& words) {
-    for (const auto& [word, value] : words) {
-        if (isOfCamera(word))
-            return fail(
-                ErrorCode::InvalidArgument,
-                word + ": a map looks straight down on what its bounds or its tile say, and has no camera",
-                word);
-        if (auto ok = checkWord(word, value); !ok) return ok;
-    }
-    return {};
-}
-
-Expected<MapWords> mapWordsOf(std::string_view query) {
-    auto all = parseQuery(query);
-    if (!all) return passOn(all);
-    MapWords words;
-    for (auto& [name, value] : *all) {
-        std::string upper = inCapitals(name);
-        if (name.empty() && value.empty()) continue;  // "?&SERVICE=…", as programs put it together
-        if (std::ranges::find(standardNames, upper) == standardNames.end()) {
-            words.view.emplace_back(std::move(name), std::move(value));
-            continue;
-        }
-        if (words.find(upper) != nullptr) return wrongWord(upper, "is given twice");
-        words.standard.emplace_back(std::move(upper), std::move(value));
-    }
-    if (auto ok = checkViewWords(words.view); !ok) return passOn(ok);
-    return words;
-}
-
-std::optional<double> mapNumberOf(std::string_view text) {
-    double value = 0;
-    if (text.starts_with('+')) text.remove_prefix(1);
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (problem != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= farthest))
-        return std::nullopt;
-    return value;
-}
-
-std::optional<std::uint32_t> mapWholeOf(std::string_view text, std::uint32_t most) {
-    std::uint32_t value = 0;
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (problem != std::errc() || end != text.data() + text.size() || value > most) return std::nullopt;
-    return value;
-}
-
-Expected<std::array<double, 4>> mapBoxOf(const MapWords& words) {
-    const std::string* const text = words.find("BBOX");
-    constexpr std::string_view must =
-        "must be four numbers, two lower bounds and two upper ones that are larger: "
-        "389400,5819700,389600,5819900";
-    if (text == nullptr) return wrongWord("BBOX", must);
-    std::array<double, 4> box{};
-    std::string_view rest = *text;
-    for (std::size_t i = 0; i < box.size(); ++i) {
-        const auto comma = rest.find(',');
-        if ((comma == std::string_view::npos) != (i == 3)) return wrongWord("BBOX", must);
-        const auto number = mapNumberOf(rest.substr(0, comma));
-        if (!number) return wrongWord("BBOX", must);
-        box[i] = *number;
-        rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
-    }
-    if (!(box[0] < box[2] && box[1] < box[3])) return wrongWord("BBOX", must);
-    return box;
-}
-
-Expected<int> sideOf(const MapWords& words, std::string_view name) {
-    const auto side = mapWholeOf(words.text(name), std::uint32_t(maxPictureSide));
-    if (!side || *side == 0) return wrongWord(name, "must be a number of pixels, 1 to 16384");
-    return int(*side);
-}
-
-Expected<PictureFormat> mapFormatOf(const MapWords& words) {
-    std::string format = lowerCase(words.text("FORMAT"));
-    format = format.substr(0, format.find(';'));
-    if (format.empty() || format == "image/png" || format == "image/png8") return PictureFormat::Png;
-    if (format == "image/jpeg" || format == "image/jpg") return PictureFormat::Jpeg;
-    return wrongWord("FORMAT", "must be image/png or image/jpeg");
-}
 
 /// A style is a colouring; the word `color` gives way to it.
 Expected<void> applyStyle(const MapWords& words, std::string_view name, WordValues& view) {
@@ -195,20 +35,6 @@ Expected<void> checkService(const MapWords& words, std::string_view service) {
     return wrongWord("SERVICE", "must be " + std::string(service) + " at this address");
 }
 
-Expected<Rgb8> colorOf(const MapWords& words) {
-    std::string_view text;
-    const std::string* const given = words.find("BGCOLOR");
-    if (given == nullptr || given->empty()) return Rgb8{255, 255, 255};
-    text = *given;
-    if (text.starts_with("0x") || text.starts_with("0X")) text.remove_prefix(2);
-    if (text.starts_with('#')) text.remove_prefix(1);
-    std::uint32_t value = 0;
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
-    if (text.size() != 6 || problem != std::errc() || end != text.data() + text.size())
-        return wrongWord("BGCOLOR", "must be a colour: 0xFFFFFF");
-    return Rgb8{std::uint8_t(value >> 16), std::uint8_t(value >> 8 & 255), std::uint8_t(value & 255)};
-}
-
 /// What GetMap says, and GetFeatureInfo repeats.
 Expected<MapRequest> mapOf(const MapWords& words, std::string_view layer, bool isOld) {
     MapRequest map;
@@ -224,9 +50,9 @@ Expected<MapRequest> mapOf(const MapWords& words, std::string_view layer, bool i
     if (!box) return passOn(box);
     map.box = *box;
     map.axesOfCrs = !isOld;
-    const auto width = sideOf(words, "WIDTH");
+    const auto width = mapSideOf(words, "WIDTH");
     if (!width) return passOn(width);
-    const auto height = sideOf(words, "HEIGHT");
+    const auto height = mapSideOf(words, "HEIGHT");
     if (!height) return passOn(height);
     map.width = *width;
     map.height = *height;
@@ -237,7 +63,7 @@ Expected<MapRequest> mapOf(const MapWords& words, std::string_view layer, bool i
     if (!transparent.empty() && transparent != "TRUE" && transparent != "FALSE")
         return wrongWord("TRANSPARENT", "must be TRUE or FALSE");
     map.transparent = transparent == "TRUE" && *format == PictureFormat::Png;
-    const auto background = colorOf(words);
+    const auto background = mapColorOf(words);
     if (!background) return passOn(background);
     map.background = *background;
     map.words = words.view;
@@ -300,7 +126,7 @@ Expected<TileRequest> tileOf(const MapWords& words, std::string_view set, std::s
 }  // namespace
 
 Expected<WmsRequest> parseWmsRequest(std::string_view query, std::string_view layer) {
-    const auto words = mapWordsOf(query);
+    const auto words = mapWords(query);
     if (!words) return passOn(words);
     if (auto ok = checkService(*words, "WMS"); !ok) return passOn(ok);
     const std::string request = lowerCase(words->text("REQUEST"));
@@ -325,7 +151,7 @@ Expected<WmsRequest> parseWmsRequest(std::string_view query, std::string_view la
 }
 
 Expected<WmtsRequest> parseWmtsRequest(std::string_view query, std::string_view layer) {
-    const auto words = mapWordsOf(query);
+    const auto words = mapWords(query);
     if (!words) return passOn(words);
     if (auto ok = checkService(*words, "WMTS"); !ok) return passOn(ok);
     const std::string request = lowerCase(words->text("REQUEST"));
@@ -343,7 +169,7 @@ Expected<WmtsRequest> parseWmtsRequest(std::string_view query, std::string_view 
 
 Expected<TileRequest> parseTileRequest(std::string_view set, std::string_view z, std::string_view x,
                                        std::string_view last, std::string_view query) {
-    const auto words = mapWordsOf(query);
+    const auto words = mapWords(query);
     if (!words) return passOn(words);
     for (const auto& [name, value] : words->standard)
         if (name != "STYLE") return wrongWord(name, "has no part in the address of a tile");
@@ -365,7 +191,7 @@ bool wantsProblems(std::string_view query) {
 }
 
 Expected<WordValues> parseMapWords(std::string_view query) {
-    auto words = mapWordsOf(query);
+    auto words = mapWords(query);
     if (!words) return passOn(std::move(words));
     return std::move(words->view);
 }

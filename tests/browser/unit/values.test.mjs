@@ -9,7 +9,8 @@ import { columnsFor, filtered } from '../../../client/web/filter/filtering.js';
 import { colorAt, handlesAt, heightsOf, reachOf, valuesAt } from '../../../client/web/filter/value_slider.js';
 import { colourOptions } from '../../../client/web/page/colour_choice.js';
 import { columnTitle, columnsOf, unitOfColumn } from '../../../client/web/page/columns.js';
-import { membersOf, wordOf } from '../../../client/web/page/members.js';
+import { regionOf } from '../../../client/web/export/region.js';
+import { isAlone, membersOf, ownShift, wordOf } from '../../../client/web/page/members.js';
 import { legendLines, legendOf } from '../../../client/web/page/plan/legend.js';
 import { parseHash, printHash } from '../../../client/web/view/view_hash.js';
 import { askable, boundsOf } from '../../../client/web/view/usual.js';
@@ -67,6 +68,8 @@ describe('filters', () => {
     assert.equal(askable(view, cloud), view);
     assert.deepEqual(askable(view, { ...cloud, state: 'loading', columns: [] }), { filter: null, color: 'auto', range: null, method: 'point' });
     assert.deepEqual(askable(view, { ...cloud, state: 'loading' }), view);
+    const both = { filter: [...view.filter, { column: 'later', high: 1 }] };
+    assert.deepEqual(askable(both, { ...cloud, state: 'loading' }), { filter: view.filter }, 'what is known holds meanwhile');
   });
 });
 
@@ -110,6 +113,15 @@ describe('clouds together', () => {
     assert.deepEqual(boundsOf(cloud, [{ cloud: '.', hidden: true }, { cloud: 'tile' }], clouds), tile.bounds);
     assert.deepEqual(boundsOf(cloud, [{ cloud: 'tile', hidden: true }], clouds), cloud.bounds);
   });
+  it('of which the own one is shifted: what is asked of its file is asked where its file has it', () => {
+    const view = { with: [{ cloud: '.', shift: [1, 2, 3] }], clip: { min: [1, 2, 3], max: [2, 3, 4] }, clips: [{ box: { center: [1, 2, 3], size: [1, 1, 1] }, keep: 'inside' }, { plane: { point: [2, 2, 3], normal: [0, 0, 1] } }] };
+    assert.deepEqual(regionOf(view, { shapes: true, polygon: [[1, 2, 3], [5, 2, 3], [5, 9, 3]] }), {
+      clip: { min: [0, 0, 0], max: [1, 1, 1] }, clips: [{ box: { center: [0, 0, 0], size: [1, 1, 1] }, keep: 'inside' }, { plane: { point: [1, 0, 0], normal: [0, 0, 1] } }],
+      polygon: [[0, 0], [4, 0], [4, 7]],
+    });
+    assert.deepEqual([ownShift(view), ownShift({ with: [{ cloud: 'tile', shift: [1, 1, 1] }] })], [[1, 2, 3], undefined]);
+    assert.deepEqual([view, { with: [{ cloud: 'tile' }] }, { with: [{ cloud: 'tile', hidden: true }] }, {}].map(isAlone), [false, false, true, true]);
+  });
   it('can be added where they are in the same coordinates: the nearest first; others say why not', () => {
     const own = { ...cloud, crsEpsg: 25833 };
     const far = { ...tile, id: 'far', bounds: { min: [900, 0, 0], max: [950, 1, 1] } };
@@ -120,7 +132,7 @@ describe('clouds together', () => {
     const all = { clouds: [own, swiss, far, tile], pending: [{ id: 'late', state: 'loading' }] };
     assert.deepEqual(othersOf(own, ['.'], all).map(({ cloud: { id }, reason }) => [id, reason.slice(0, 10)]), [['tile', ''], ['far', ''], ['swiss', 'in another'], ['late', 'still load']]);
     assert.deepEqual(othersOf(own, ['.', 'tile'], all, ' SWI').map(({ cloud: { id } }) => id), ['swiss']);
-    assert.equal(stepped(0.3, -0.1), 0.2);
+    assert.deepEqual([stepped(0.3, -0.1), stepped(1e-7, 1e-8)], [0.2, 1.1e-7]);
   });
 });
 
@@ -160,7 +172,7 @@ describe('the words of filters and of clouds together', () => {
       with: [{ cloud: '.', tint: '#ff8800' }, { cloud: 'town-2024', shift: [0, 0, 0.12] }, { cloud: 'town-2019', hidden: true }],
     });
     assert.equal(printHash('a', style), `#cloud=a&${text}`);
-    assert.deepEqual(parseHash('#with=none&filter=auto').style, { with: null, filter: null });
+    assert.deepEqual(parseHash('#with=auto&filter=auto').style, { with: null, filter: null });
   });
   it('that are none are left out', () => {
     for (const word of ['filter=a', 'filter=a:..', 'filter=a:2..1', 'filter=:1..2', 'filter=a:1..2;', 'filter=a:x..', `filter=${'a:1..;'.repeat(5)}a:1..`, 'with=a b', 'with=a,shift:1:2', 'with=a,tint:red', 'with=a,seen', 'color=column:'])

@@ -61,6 +61,7 @@ export const measure = {
   asking: 'The server is computing…',
   asked: (trouble) => trouble || 'The server is not responding.',
   askAgain: 'Compute again',
+  notAlone: 'This is computed of one scan alone, where it lies in its file: hide the other clouds and take its shift back (U), then compute again.',
   base: 'Base',
   bases: { lowest: 'Lowest corner', mean: 'Mean of the corners', fit: 'Plane through the corners', height: 'A height…' },
   baseHeight: 'Height of the base',

@@ -40,6 +40,7 @@ export const profile = {
   at: (station, height, place) => `Station ${station} · height ${height} · ${place}`,
   measured: ({ distance, along, rise, slope }) => `${distance} · along ${along} · height ${rise} · slope ${slope}`,
   short: ({ distance, slope }) => `${distance}, ${slope}`,
+  shifted: 'This scan is shifted in the picture: its profile is of where its file has it.',
   asking: 'The server is drawing…',
   nothing: 'There are no points in this part.',
   none: 'There are no points of the scan in this corridor.',

@@ -63,6 +63,9 @@ TEST(MapRequest, WhatIsWrongIsNamed) {
     EXPECT_EQ(fieldOf(map + "&format=image/tiff"), "FORMAT");
     EXPECT_EQ(fieldOf(map + "&transparent=perhaps"), "TRANSPARENT");
     EXPECT_EQ(fieldOf(map + "&bgcolor=red"), "BGCOLOR");
+    EXPECT_EQ(fieldOf(map + "&SLD_BODY=x"), "SLD_BODY");
+    EXPECT_EQ(fieldOf(map + "&time=2019"), "TIME");
+    EXPECT_EQ(fieldOf(map + "&time=&elevation=default"), "");
     EXPECT_EQ(fieldOf(map + "&eye=1,2,3"), "eye");
     EXPECT_EQ(fieldOf(map + "&viewHeight=1"), "viewHeight");
     EXPECT_EQ(fieldOf(map + "&methd=ewa"), "methd");

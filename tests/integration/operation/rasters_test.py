@@ -39,7 +39,7 @@ class Rasters(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.folder = folder.name
         program("scancast", "generate", "town", "--points", str(POINTS), "-q", "-o", cls.path("town.las"))
-        program("scancast", "ingest", cls.path("town.las"), "-q", "--exact", "-o", cls.path("town.scan"))
+        program("scancast", "ingest", cls.path("town.las"), "-q", "--exact", "--assume-crs", "EPSG:25833", "-o", cls.path("town.scan"))
         with open(cls.path("town.las"), "rb") as file:
             header, points = read_las(file.read())
         cls.xyz = numpy.array([p[:3] for p in points], float) * header["scale"] + header["offset"]

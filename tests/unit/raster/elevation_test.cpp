@@ -63,12 +63,14 @@ class Elevation : public ::testing::Test {
 };
 
 TEST_F(Elevation, OfEveryKindIsWhatBruteForceFinds) {
+    // Samples in memory round by hundredths of a millimetre: no cell begins where the scan's grid has points.
+    const std::string offGrid = "389399.0005,5819699.0005,389521.0005,5819791.0005";
     for (const char* cell : {"0.7", "5"})
         for (const CellValue value :
              {CellValue::Highest, CellValue::Lowest, CellValue::Mean, CellValue::Count}) {
             auto raster = planRaster(
-                cloud(),
-                requested(RasterKind::Elevation, {{"cell", cell}, {"value", std::string(name(value))}}));
+                cloud(), requested(RasterKind::Elevation,
+                                   {{"cell", cell}, {"value", std::string(name(value))}, {"bbox", offGrid}}));
             ASSERT_TRUE(raster) << raster.error().message;
             const auto truth = byBruteForce(raster->layout.grid);
             const auto cells = cellsOfRaster(*raster);
@@ -82,10 +84,10 @@ TEST_F(Elevation, OfEveryKindIsWhatBruteForceFinds) {
                 } else if (at == truth.end()) {
                     ASSERT_EQ(cells[i], noElevation) << i;
                 } else if (value == CellValue::Mean) {
-                    ASSERT_NEAR(cells[i], at->second.sum / at->second.count, 4e-6) << i;
+                    ASSERT_NEAR(cells[i], at->second.sum / at->second.count, 2e-4) << i;
                 } else {
                     ASSERT_NEAR(cells[i], value == CellValue::Highest ? at->second.high : at->second.low,
-                                2e-6)
+                                2e-4)
                         << i;
                 }
             }

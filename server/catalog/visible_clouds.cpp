@@ -33,9 +33,11 @@ Expected<std::shared_ptr<const Cloud>> VisibleClouds::viewed(std::string_view id
     const auto own = cloud(id);
     if (!own) return tl::unexpected(errorOf(own.error(), "cloud"));
     const bool byCloud = view.style.color == ColorSource::Cloud;
-    const auto isItself = [&](const ViewedCloud& one) { return one == ViewedCloud{std::string(ownCloudName)}; };
+    const auto isItself = [](const ViewedCloud& one) {
+        return one.cloud == ownCloudName && one.shift == glm::dvec3(0) && !one.tint && !one.hidden;
+    };
     if (!byCloud && std::ranges::all_of(view.with, isItself)) return *own;
-    if (view.with.empty()) return *own;
+    if (view.with.empty()) return *own;  // each cloud in its colour, and there is one
     auto members = membersOf(view.with, {.name = std::string(id), .cloud = *own},
                              [&](const ViewedCloud& one) -> Expected<std::shared_ptr<const Cloud>> {
                                  auto other = cloud(one.cloud);

@@ -197,7 +197,7 @@ TEST_P(TogetherOracle, HiddenIsAbsent) {
     const auto one = together({member("ground", groundCloud()), hidden});
     for (View view : plainViews()) {
         EXPECT_EQ(differing(draw(*one, view), draw(*groundCloud(), view)), 0U);
-        for (const char* method : {"paraboloid", "ewa"}) {
+        for (const char* method : {"paraboloid", "square"}) {
             view.style.method = method;
             view.quality.detail.reset();
             view.style.shading.reset();
@@ -302,7 +302,7 @@ TEST_P(TogetherOracle, IsTheSameOnEveryDeviceAndOutOfFiles) {
     for (View view : plainViews()) {
         const Frame expected = draw(*inMemory, view);
         EXPECT_EQ(differing(expected, draw(*outOfCore, view)), 0U);
-        for (const char* method : {"point", "paraboloid", "ewa"}) {
+        for (const char* method : {"point", "paraboloid", "square"}) {
             view.style.method = method;
             view.quality.detail.reset();
             auto reference = render(*cpu, *outOfCore, view);
@@ -388,7 +388,7 @@ TEST(TogetherPick, SaysWhosePointItIsAndWhereThatHasIt) {
     const View view = plainViews()[0];
     const Frame frame = render(*cpu, *both, view).value();
     int ofBall = 0, ofGround = 0;
-    for (std::size_t i = 7; i < frame.depth.size(); i += 97) {
+    for (std::size_t i = 7; i < frame.depth.size(); i += 23) {
         if (!std::isfinite(frame.depth[i])) continue;
         const auto picked = pick(*both, view, {int(i % 240), int(i / 240)}, frame.depth[i]).value();
         ASSERT_TRUE(picked && picked->of);

@@ -20,6 +20,13 @@ tl::unexpected<std::string> must(std::string what) {
     return tl::unexpected(std::move(what));
 }
 
+/// Farther from anything, neighbouring cells have no places of their own.
+constexpr double farthest = 1e15;
+
+bool isNear(double number) {
+    return std::isfinite(number) && std::abs(number) <= farthest;
+}
+
 template <std::size_t n>
 Parsed parseName(std::string_view text, const std::array<std::string_view, n>& names,
                  const std::function<void(std::size_t)>& set) {
@@ -48,6 +55,7 @@ Parsed parseWhole(std::string_view text, int& out) {
 Parsed parseBounds(std::string_view text, RasterRequest& request) {
     std::array<double, 4> box{};
     if (auto ok = values::parseNumbers(text, box); !ok) return ok;
+    if (!std::ranges::all_of(box, isNear)) return must("have numbers between -1e15 and 1e15");
     if (!(box[0] < box[2] && box[1] < box[3]))
         return must("have its least x and y before its most: MINX,MINY,MAXX,MAXY");
     request.bbox = box;
@@ -57,7 +65,8 @@ Parsed parseBounds(std::string_view text, RasterRequest& request) {
 Parsed parseCell(std::string_view text, RasterRequest& request) {
     double cell = 0;
     if (auto ok = values::parseNumbers(text, std::span(&cell, 1)); !ok) return ok;
-    if (!(cell > 0)) return must("be a length above 0, not " + quoteText(text));
+    if (!(cell > 0) || !isNear(cell))
+        return must("be a length above 0 and at most 1e15, not " + quoteText(text));
     request.cell = cell;
     return {};
 }

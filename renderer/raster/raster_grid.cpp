@@ -30,8 +30,11 @@ RasterGrid aroundAll(const Extent& extent, double cell) {
     grid.cell = cell;
     grid.left = std::floor(extent.low.x / cell) * cell;
     grid.top = std::ceil(extent.high.y / cell) * cell;
-    grid.columns = std::int64_t(std::min(mostSide * 2, grid.columnOf(extent.high.x))) + 1;
-    grid.rows = std::int64_t(std::min(mostSide * 2, grid.rowOf(extent.low.y))) + 1;
+    const auto last = [](double index) {
+        return index >= 0 && index < mostSide * 2 ? std::int64_t(index) : std::int64_t(mostSide * 2);
+    };
+    grid.columns = last(grid.columnOf(extent.high.x)) + 1;
+    grid.rows = last(grid.rowOf(extent.low.y)) + 1;
     return grid;
 }
 
@@ -49,16 +52,25 @@ RasterGrid ofBounds(const std::array<double, 4>& bbox, double cell) {
 }
 
 RasterGrid gridWith(const Extent& extent, const RasterRequest& request, double cell) {
-    return request.bbox ? ofBounds(*request.bbox, cell) : aroundAll(extent, cell);
+    RasterGrid grid = request.bbox ? ofBounds(*request.bbox, cell) : aroundAll(extent, cell);
+    grid.tile = request.tile;
+    return grid;
 }
 
+/// A raster of one row is as long as it has cells, and its tiles are as high as wide: what fills them counts, too.
 bool fits(const RasterGrid& grid, std::uint64_t most) {
-    return double(grid.columns) <= mostSide && double(grid.rows) <= mostSide &&
-           double(grid.columns) * double(grid.rows) <= double(most);
+    if (double(grid.columns) > mostSide || double(grid.rows) > mostSide) return false;
+    const double tile = double(grid.tile) * grid.tile,
+                 tiles = double(grid.tileColumns()) * double(grid.tileRows());
+    return double(grid.columns) * double(grid.rows) <= double(most) &&
+           tiles * tile <= 2 * double(most) + 16 * tile;
 }
 
+/// The finest that fits; what no number of steps makes fit is as it comes out.
 double coarseEnough(const Extent& extent, const RasterRequest& request, double cell, std::uint64_t most) {
-    while (!fits(gridWith(extent, request, cell), most)) cell = roundSide(cell * 1.01);
+    for (int step = 0; step < 400 && std::isfinite(cell) && !fits(gridWith(extent, request, cell), most);
+         ++step)
+        cell = roundSide(cell * 1.01);
     return cell;
 }
 
@@ -124,7 +136,6 @@ Expected<RasterGrid> rasterGrid(const Cloud& cloud, const RasterRequest& request
             ErrorCode::InvalidArgument,
             fmt::format("cell: {:.6g} is less than coordinates of {:.6g} can tell apart", cell, farthest),
             "cell");
-    grid.tile = request.tile;
     return grid;
 }
 

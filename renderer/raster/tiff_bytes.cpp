@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "protocol/text/plain_text.hpp"
+
 namespace scancast {
 namespace {
 
@@ -98,7 +100,7 @@ TIFF* openTiff(Sink& sink, bool big) {
 
 std::string escaped(std::string_view text) {
     std::string xml;
-    for (const char c : text) {
+    for (const char c : plainLine(text)) {
         if (c == '&')
             xml += "&amp;";
         else if (c == '<')
@@ -220,11 +222,16 @@ Expected<TiffBytes> TiffBytes::create(const RasterLayout& layout, WriteAt write)
 }
 
 Expected<void> TiffBytes::put(std::int64_t index, std::span<const std::byte> tile, bool raw) {
-    open_->tile.assign(tile.begin(), tile.end());
     const auto number = std::uint32_t(index);
     const auto size = tmsize_t(tile.size());
-    const tmsize_t done = raw ? TIFFWriteRawTile(open_->tiff, number, open_->tile.data(), size)
-                              : TIFFWriteEncodedTile(open_->tiff, number, open_->tile.data(), size);
+    tmsize_t done = 0;
+    if (raw) {
+        // It is written as it is; the interface does not say so.
+        done = TIFFWriteRawTile(open_->tiff, number, const_cast<std::byte*>(tile.data()), size);
+    } else {
+        open_->tile.assign(tile.begin(), tile.end());
+        done = TIFFWriteEncodedTile(open_->tiff, number, open_->tile.data(), size);
+    }
     if (done != size || !open_->sink.state) return open_->failure("a tile is refused");
     return {};
 }

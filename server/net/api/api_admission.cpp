@@ -130,7 +130,7 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
             "Access-Control-Expose-Headers",
             "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
             "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price, "
-            "Scancast-Damaged, Scancast-Points, Scancast-Losses, Scancast-Profile, Content-Disposition, "
+            "Scancast-Damaged, Scancast-Points, Scancast-Losses, Scancast-Profile, Scancast-Raster, Content-Disposition, "
             "X-Request-Id");
     }
     if (access_.isPrivate(request)) {

@@ -33,7 +33,7 @@ constexpr int mostLeavesAtOnce = 8;
 constexpr int rasterPoliteness = 10;
 /// An orthophoto waits for its turn among the pictures: so often, this long each time.
 constexpr int mostOrders = 100;
-constexpr std::chrono::milliseconds untilNextOrder{100};
+constexpr std::chrono::milliseconds untilNextOrder{100}, breath{5};
 
 std::uint64_t workingBytesOf(const PlannedRaster& raster) {
     const auto side = std::uint64_t(raster.layout.grid.block) + 2 * std::uint64_t(raster.elevation.fill);
@@ -82,10 +82,13 @@ struct RasterAnswers::Work {
     TransientMemory::Hold working;
     std::unique_ptr<RasterTiff> tiff;
     HttpResponse head;
-    std::int64_t blocks = 0;    ///< that are in
-    int orders = 0;             ///< of the current block, that came to nothing
-    Respond respond{};          ///< until it is answered
-    BodySource::Given given{};  ///< afterwards, while the next part is waited for
+    std::int64_t blocks = 0;                            ///< that are in
+    std::string drawnBy{};                              ///< the device that the tag names
+    std::optional<std::uint64_t> samples{};             ///< likewise, of a picture, at most
+    std::chrono::steady_clock::time_point notBefore{};  ///< the next order
+    int orders = 0;                                     ///< of the current block, that came to nothing
+    Respond respond{};                                  ///< until it is answered
+    BodySource::Given given{};                          ///< afterwards, while the next part is waited for
     std::stop_token gone{};
     std::unique_ptr<std::stop_callback<std::function<void()>>>
         leaves{};  ///< gives the picture up that is drawn
@@ -165,6 +168,11 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
         if (word == "with" || word == "color")
             if (auto ok = applyWord(first, word, text); !ok) return refuse(problemOf(ok.error()));
     if (!first.with.empty()) {
+        if (auto ok = validate(first); !ok) return refuse(problemOf(ok.error()));
+        for (const auto& one : first.with)
+            if (const auto entry = clouds.find(one.cloud); entry && entry->state == CloudState::Loading)
+                return refuse(problemOf(
+                    503, "with: the cloud " + one.cloud + " is still being read; ask again in a moment."));
         auto together = clouds.viewed(routed.id, first);
         if (!together) return refuse(problemOf(together.error()));
         *cloud = std::move(*together);
@@ -215,19 +223,16 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
             503,
             "There is no memory for another raster: other answers have not been read yet. Ask again later."));
     working.resize(needed);
-    std::error_code none;
-    auto tiff = RasterTiff::create(planned->layout, {std::filesystem::temp_directory_path(none), "TMPDIR",
-                                                     options_.mostScratch / options_.places.all});
-    if (!tiff) return refuse(problemOfRaster(tiff.error(), routed.path));
     planned->elevation.threads = std::clamp(arena_->cores.max_concurrency(), 1, mostLeavesAtOnce);
     auto work = std::make_shared<Work>();
+    if (!isElevation) work->drawnBy = scheduler_.device().info.identity;
+    work->samples = mostSamples(**cloud);
     work->cloud = *cloud;
     work->raster = std::move(*planned);
     work->path = routed.path;
     work->client = request.client;
     work->place = std::move(*place);
     work->working = std::move(working);
-    work->tiff = std::move(*tiff);
     work->head = std::move(head);
     return work;
 }
@@ -249,6 +254,8 @@ void RasterAnswers::go(std::shared_ptr<Work> work) const {
 
 void RasterAnswers::advance(const std::shared_ptr<Work>& work) const {
     if (work->isOver()) return;
+    if (!work->tiff)
+        if (auto ok = begin(work); !ok) return giveUp(work, ok.error());
     if (work->canDeliver()) return deliver(work);
     if (work->raster.ortho) return orderPicture(work);
     makeElevations(work);
@@ -258,6 +265,19 @@ void RasterAnswers::giveUp(const std::shared_ptr<Work>& work, const Error& error
     if (work->respond)
         return std::exchange(work->respond, {})(problemResponse(problemOfRaster(error, work->path)));
     if (work->given) std::exchange(work->given, {})(tl::unexpected(error));
+}
+
+/// Where everything will stand, of a large one, takes a while: not for a network thread.
+Expected<void> RasterAnswers::begin(const std::shared_ptr<Work>& work) const {
+    return contained("Making a raster", [&]() -> Expected<void> {
+        std::error_code none;
+        auto tiff =
+            RasterTiff::create(work->raster.layout, {std::filesystem::temp_directory_path(none), "TMPDIR",
+                                                     options_.mostScratch / options_.places.all});
+        if (!tiff) return passOn(tiff);
+        work->tiff = std::move(*tiff);
+        return {};
+    });
 }
 
 void RasterAnswers::deliver(const std::shared_ptr<Work>& work) const {
@@ -292,6 +312,10 @@ void RasterAnswers::makeElevations(const std::shared_ptr<Work>& work) const {
 }
 
 void RasterAnswers::orderPicture(const std::shared_ptr<Work>& work) const {
+    if (std::chrono::steady_clock::now() < work->notBefore) {
+        std::this_thread::sleep_for(breath);
+        return go(work);  // others have their turn meanwhile
+    }
     const View view = orthoView(*work->cloud, *work->raster.ortho, *work->tiff->nextBlock());
     const auto planned = plan(*work->cloud, view);
     if (!planned) return giveUp(work, planned.error());
@@ -315,6 +339,11 @@ void RasterAnswers::takePicture(const std::shared_ptr<Work>& work,
     work->leaves.reset();
     if (work->isOver()) return;
     if (!picture) return orderAgain(work, picture.error());
+    // The tag has gone out, or will: what others drew is not of that file.
+    if (picture->device.identity != work->drawnBy || mostSamples(*work->cloud) != work->samples)
+        return giveUp(
+            work,
+            Error{ErrorCode::Unavailable, "The device that began to draw was replaced; ask again.", {}});
     if (picture->stats.nodesDamaged > 0)
         return giveUp(
             work,
@@ -334,7 +363,7 @@ void RasterAnswers::takePicture(const std::shared_ptr<Work>& work,
 void RasterAnswers::orderAgain(const std::shared_ptr<Work>& work, const Error& error) const {
     const bool isBusy = error.code == ErrorCode::ResourceLimit || error.code == ErrorCode::DeadlineExceeded;
     if (!isBusy || ++work->orders >= mostOrders || scheduler_.draining()) return giveUp(work, error);
-    std::this_thread::sleep_for(untilNextOrder);
+    work->notBefore = std::chrono::steady_clock::now() + untilNextOrder;
     go(work);
 }
 

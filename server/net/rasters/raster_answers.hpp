@@ -55,6 +55,7 @@ class RasterAnswers {
                                                             const VisibleClouds& clouds) const;
     void go(std::shared_ptr<Work> work) const;
     void advance(const std::shared_ptr<Work>& work) const;
+    Expected<void> begin(const std::shared_ptr<Work>& work) const;
     void deliver(const std::shared_ptr<Work>& work) const;
     void giveUp(const std::shared_ptr<Work>& work, const Error& error) const;
     void makeElevations(const std::shared_ptr<Work>& work) const;

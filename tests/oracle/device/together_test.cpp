@@ -434,5 +434,22 @@ TEST(TogetherRefuses, OtherSystemsAndTooManyNodes) {
     EXPECT_EQ(large.error().code, ErrorCode::ResourceLimit);
 }
 
+TEST(TogetherRefuses, MoreThanThereIsMemoryForAtATime) {
+    const auto shifted = [](double by) {
+        TogetherMember moved = member("ball", ballCloud());
+        moved.shift.z = by;
+        return std::vector{member("ground", groundCloud()), moved};
+    };
+    const std::uint64_t nodes = groundCloud()->octree.nodes().size() + ballCloud()->octree.nodes().size();
+    const auto little = cacheOf(6 * nodes * bytesPerNodeTogether);  // a quarter holds one and a half
+    auto first = putTogether(shifted(1), false, little);
+    ASSERT_TRUE(first) << first.error().message;
+    const auto second = putTogether(shifted(2), false, little);
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().code, ErrorCode::Unavailable);
+    first = fail(ErrorCode::Cancelled, "gone");
+    EXPECT_TRUE(putTogether(shifted(2), false, little));
+}
+
 }  // namespace
 }  // namespace scancast::test

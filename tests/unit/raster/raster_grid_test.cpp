@@ -81,6 +81,9 @@ TEST_F(Grid, TooManyCellsAreRefusedWithASideThatDoes) {
     const auto automatic = gridOf({}, 1000);
     ASSERT_TRUE(automatic) << "what is left open is made to fit";
     EXPECT_LE(automatic->cells(), 1000U);
+    const Error row =
+        refusal({{"cell", "0.0001"}, {"bbox", "389400,5819700,389490,5819700.0001"}}, 2'000'000);
+    EXPECT_EQ(row.field, "cell") << "900,000 cells in a row fill tiles of 256 rows";
     EXPECT_EQ(refusal({{"cell", "1e-300"}}).field, "cell");
     EXPECT_EQ(refusal({{"cell", "1e-12"}, {"bbox", "389400,5819700,389400.0000001,5819700.0000001"}}).field,
               "cell");

@@ -29,10 +29,22 @@ TEST(RasterRequest, WordsComeBackAsTheyMean) {
 }
 
 TEST(RasterRequest, EveryWordSaysWhatItMustBe) {
-    const std::vector<std::pair<std::string, std::string>> wrong{
-        {"bbox", "1,2,3"}, {"bbox", "3,2,1,4"}, {"bbox", "a,2,3,4"}, {"cell", "0"},  {"cell", "-1"},
-        {"cell", "nan"},   {"cell", "1e999"},   {"value", "median"}, {"fill", "-1"}, {"fill", "65"},
-        {"fill", "1.5"},   {"tile", "300"},     {"compress", "lzw"}};
+    const std::vector<std::pair<std::string, std::string>> wrong{{"bbox", "1,2,3"},
+                                                                 {"bbox", "3,2,1,4"},
+                                                                 {"bbox", "a,2,3,4"},
+                                                                 {"cell", "0"},
+                                                                 {"cell", "-1"},
+                                                                 {"cell", "nan"},
+                                                                 {"cell", "inf"},
+                                                                 {"bbox", "-inf,-inf,inf,inf"},
+                                                                 {"bbox", "-1e308,-1e308,1e308,1e308"},
+                                                                 {"cell", "1e999"},
+                                                                 {"value", "median"},
+                                                                 {"fill", "-1"},
+                                                                 {"fill", "65"},
+                                                                 {"fill", "1.5"},
+                                                                 {"tile", "300"},
+                                                                 {"compress", "lzw"}};
     for (const auto& [word, text] : wrong) {
         const Error error = refusalOf(RasterKind::Elevation, {{word, text}});
         EXPECT_EQ(error.field, word) << text;

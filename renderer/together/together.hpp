@@ -44,7 +44,9 @@ struct Together {
     std::vector<std::optional<Paint>> paints;  ///< by member: what its samples are painted with
     std::vector<std::shared_ptr<SampleStore>>
         stores;                           ///< by member: where they come from; empty where nothing is shown
-    std::shared_ptr<const void> counted;  ///< the memory of the nodes
+    /// The memory of so many nodes more, as long as the result lives. Errors: as putTogether()'s of memory.
+    std::function<Expected<std::shared_ptr<const void>>(std::uint64_t nodes)> count;
+    std::shared_ptr<const void> counted;  ///< of the nodes themselves
 };
 
 /// Nodes that clouds may have together, and bytes that each takes once more then.

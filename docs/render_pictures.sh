@@ -53,8 +53,9 @@ ffmpeg -v error -y -i "$work/columns-auto.png" -i "$work/columns-distance.png" -
     --projection orthographic --view-height 24 --eye=389534,5819706,43 --target=389500,5819800,43 --background '#ffffff'
 
 # docs/several-clouds.md: the town, and a scan of it before that, which lies elsewhere.
-"$bin/scancast" generate town --points 2M --seed 7 -o "$work/before.las"
-several() { "$bin/scancast" render "$work/town5.las" -o "$work/$1.png" --width 640 --height 400 --eye=389478,5819755,72 --target=389505,5819850,44 --fov 40 "${@:2}"; }
+"$bin/scancast" generate town --points 1M -o "$work/town1.las"
+"$bin/scancast" generate town --points 400k --seed 7 -o "$work/before.las"
+several() { "$bin/scancast" render "$work/town1.las" -o "$work/$1.png" --width 640 --height 400 --eye=389478,5819755,72 --target=389505,5819850,44 --fov 40 "${@:2}"; }
 several by-cloud --color cloud*intensity --with "$work/before.las,shift:0:0:1.5"
 several tinted --color rgb --with ".,tint:ffc080;$work/before.las,shift:0:0:1.5,tint:80c0ff"
 ffmpeg -v error -y -i "$work/by-cloud.png" -i "$work/tinted.png" -filter_complex hstack -q:v 4 "$root/docs/images/several-clouds.jpg"

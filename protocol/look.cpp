@@ -19,9 +19,12 @@ constexpr double margin = 0.06;
 constexpr double usualAspect = 16.0 / 9, widestFov = 90;
 constexpr std::size_t longestLookName = 64, longestLookReason = 4096;
 
-/// The members of a view that its style is printed as: all but camera, size and quality.
-constexpr std::array<std::string_view, 7> notOfStyle{"camera", "width",   "height", "detail",
-                                                     "budget", "samples", "quality"};
+/// The members of a view that its style is printed as: all but camera, size, quality and other clouds.
+constexpr std::array<std::string_view, 8> notOfStyle{"camera", "width",   "height",  "detail",
+                                                     "budget", "samples", "quality", "with"};
+/// Those that are printed where they say something: programs that do not know them read every other look, and the cloud file that it
+/// is in.
+constexpr std::array<std::string_view, 1> youngWords{"filter"};
 
 bool isOfStyle(std::string_view key) {
     return key != "subsampling" && std::ranges::find(notOfStyle, key) == notOfStyle.end();
@@ -32,7 +35,8 @@ json styleJson(const Style& style) {
     view.style = style;
     json all = toJson(view), own = json::object();
     for (auto& [key, value] : all.items())
-        if (isOfStyle(key)) own[key] = std::move(value);
+        if (isOfStyle(key) && !(value.is_null() && std::ranges::find(youngWords, key) != youngWords.end()))
+            own[key] = std::move(value);
     return own;
 }
 

@@ -243,6 +243,7 @@ void planShadows(const Cloud& cloud, PlannedView& planned) {
 Style leftOpen(Style style) {
     const Style open;
     style.color = open.color;
+    style.column = open.column;
     style.flatColor = open.flatColor;
     style.byIntensity = open.byIntensity;
     style.exposure = open.exposure;

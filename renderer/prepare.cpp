@@ -106,7 +106,7 @@ void bringRoot(const PlannedView& planned, const RenderOptions& options, const s
     if (!planned.pictured || options.wait) return;
     SampleStore& store = planned.pictured->store();
     const auto file = store.cloudFile();
-    if (file && !file->isRemote() && !store.find(0)) (void)store.load(0, stop);
+    if (file && !file->isRemote() && !store.damaged(0) && !store.find(0)) (void)store.load(0, stop);
 }
 
 }  // namespace

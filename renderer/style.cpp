@@ -193,6 +193,7 @@ Style decidedStyle(const Cloud& cloud, Style style) {
         if (cloud.look && cloud.look->style.color != ColorSource::Auto) {
             const Style& own = cloud.look->style;
             style.color = own.color;
+            style.column = own.column;
             style.byIntensity = own.byIntensity;
             style.flatColor = own.flatColor;
             if (style.colormap == Style().colormap) style.colormap = own.colormap;

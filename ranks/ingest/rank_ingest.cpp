@@ -77,7 +77,7 @@ class RankIngest {
         if (file_) {
             BuiltCloud cloud{.facts = std::move(plan_.facts), .octree = std::move(*octree)};
             completeFacts(cloud.facts, plan_.input, cloud.octree);
-            report = finishFile(std::move(cloud), options_, *file_, stop_);
+            report = finishFile(std::move(cloud), options_, *file_, progress_, stop_);
         }
         const auto all = agreed(report);
         std::array<std::uint64_t, 1> scratch{workspace_.mostOnDisk()};

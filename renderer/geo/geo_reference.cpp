@@ -145,7 +145,9 @@ Expected<GeoReference> GeoReference::create(const CloudFacts& cloud) {
     readAxes(context, base ? base.get() : crs.get(), proj->file);
     proj->file.northFirst = proj->file.northFirst || northFirst;
     if (const char* name = proj_get_name(crs.get())) proj->file.name = name;
-    constexpr std::array<const char*, 2> targets{"OGC:CRS84", "EPSG:3857"};
+    // EPSG's number of longitude and latitude, whose axes are put in order below: between EPSG's systems PROJ takes EPSG's own ways, the
+    // same ones for both, and those that GDAL takes. OGC:CRS84 may be a metre elsewhere in America.
+    constexpr std::array<const char*, 2> targets{"EPSG:4326", "EPSG:3857"};
     for (std::size_t i = 0; i < targets.size(); ++i) {
         const Object target(proj_create(context, targets[i]));
         if (!target) return fail(ErrorCode::Internal, "PROJ's database (proj.db) cannot be read");

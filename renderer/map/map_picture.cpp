@@ -243,7 +243,8 @@ Expected<std::optional<MapPicture>> mapPicture(const CloudFacts& cloud, const Ma
         net = netOf(extent, projection, window, step);
         perPixel = finestPixel(net);
         if (perPixel == 0) return std::nullopt;
-        const double area = double(window.size.x) * window.size.y;
+        // Of all of the net, which may reach beyond the window.
+        const double area = double(net.columns - 1) * (net.rows - 1) * step * step;
         Box covered;
         for (const glm::dvec2& node : net.nodes)
             if (isPlace(node)) covered.add(node);

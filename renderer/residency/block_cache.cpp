@@ -51,7 +51,13 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
         for (std::thread& thread : threads_) thread.join();
     }
 
-    std::shared_ptr<SampleStore> add(std::shared_ptr<const CloudFile> file) override;
+    std::shared_ptr<SampleStore> add(std::shared_ptr<const CloudFile> file) override {
+        return add(std::move(file), mostPinned);
+    }
+    /// What is made of a cloud for a view pins its root alone: there may be many, and they come and go.
+    std::shared_ptr<SampleStore> addDerived(std::shared_ptr<const CloudFile> file) override {
+        return add(std::move(file), 0);
+    }
     std::shared_ptr<const void> reserve(std::uint64_t bytes) override {
         return std::make_shared<const Block>(table_.meter(), bytes);
     }
@@ -86,6 +92,7 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     }
     bool isOver(const Demand& demand) const { return demand.complete() || stopping_; }
 
+    std::shared_ptr<SampleStore> add(std::shared_ptr<const CloudFile> file, std::uint64_t mostPins);
     void startRemoteThreads();
     void loadLoop(Lane lane);
     void serveDemand(Lane lane, Lock& lock);
@@ -162,14 +169,14 @@ class ResidentStore final : public SampleStore {
     const std::shared_ptr<StoreGate> gate_ = std::make_shared<StoreGate>(*this);
 };
 
-std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
+std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file, std::uint64_t mostPins) {
     std::shared_ptr<CachedCloud> cloud;
     {
         const Lock lock(monitor_);
         // However many clouds there are, their pins leave three quarters of the memory to what is looked at.
         const std::uint64_t all = table_.limit() / 4;
         const std::uint64_t left = all - std::min(all, table_.pinnedBytes());
-        cloud = table_.add(std::move(file), std::min({mostPinned, table_.limit() / 16, left}));
+        cloud = table_.add(std::move(file), std::min({mostPins, table_.limit() / 16, left}));
         if (cloud->isRemote) startRemoteThreads();
     }
     std::vector<BlockRequest> pins;
@@ -183,7 +190,7 @@ std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
     store->derived().setStoreMaker(
         [cache = weak_from_this()](std::shared_ptr<const CloudFile> made) -> std::shared_ptr<SampleStore> {
             const auto there = cache.lock();
-            return there ? there->add(std::move(made)) : nullptr;
+            return there ? there->addDerived(std::move(made)) : nullptr;
         });
     store->request(pinsRequester, std::move(pins));
     return store;

@@ -44,6 +44,10 @@ class BlockCache {
     /// A cloud file's samples, by node. Its upper levels stay in memory once they are there, a few MB of
     /// them.
     virtual std::shared_ptr<SampleStore> add(std::shared_ptr<const CloudFile> file) = 0;
+    /// The same for what is made of a cloud's samples for a view: of that only the root stays, and takes nothing from what clouds keep.
+    virtual std::shared_ptr<SampleStore> addDerived(std::shared_ptr<const CloudFile> file) {
+        return add(std::move(file));
+    }
     /// Counts memory that something else takes, as long as the result lives.
     virtual std::shared_ptr<const void> reserve(std::uint64_t bytes) = 0;
     virtual BlockCacheStats stats() const = 0;

@@ -88,7 +88,7 @@ std::shared_ptr<SampleStore> storeOfItsOwn(std::shared_ptr<const CloudFile> file
     BlockCacheOptions options;
     options.memoryLimit = room + 4 * octree.bytesResident();
     options.threads = 1;
-    return BlockCache::create(options)->add(std::move(file));
+    return BlockCache::create(options)->addDerived(std::move(file));
 }
 
 }  // namespace

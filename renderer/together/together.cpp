@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -111,6 +112,31 @@ MakeStore storesIn(const std::shared_ptr<BlockCache>& cache) {
         const auto there = cache.lock();
         return there ? there->add(std::move(file)) : nullptr;
     };
+}
+
+/// Bytes of the nodes of all clouds that are put together now.
+std::atomic<std::uint64_t> bytesTogether{0};
+
+/// Nodes cannot be given up while somebody draws them, so there is a limit to all of them, beside each one's.
+Expected<std::shared_ptr<const void>> countNodes(const std::weak_ptr<BlockCache>& cache, std::uint64_t nodes) {
+    struct Counted {
+        std::uint64_t bytes;
+        std::shared_ptr<const void> reserved{};
+        explicit Counted(std::uint64_t taken) : bytes(taken) { bytesTogether += bytes; }
+        ~Counted() { bytesTogether -= bytes; }
+        Counted(const Counted&) = delete;
+        Counted& operator=(const Counted&) = delete;
+    };
+    const auto there = cache.lock();
+    if (!there) return fail(ErrorCode::Cancelled, "The clouds are not there any more.");
+    auto counted = std::make_shared<Counted>(nodes * bytesPerNodeTogether);
+    if (bytesTogether > there->stats().limit / 4)
+        return fail(ErrorCode::Unavailable,
+                    "with: the views of several clouds that are shown now take all the memory that there is for "
+                    "these; ask again in a moment, or hide some clouds.",
+                    "with");
+    counted->reserved = there->reserve(counted->bytes);
+    return counted;
 }
 
 /// Level by level, and in each member by member: breadth first, as all octrees are.
@@ -226,7 +252,10 @@ Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> m
     }
     auto cloud = std::make_shared<Cloud>();
     static_cast<CloudFacts&>(*cloud) = factsTogether(*together);
-    together->counted = cache->reserve(nodes * bytesPerNodeTogether);
+    together->count = [cache = std::weak_ptr(cache)](std::uint64_t more) { return countNodes(cache, more); };
+    auto counted = together->count(nodes);
+    if (!counted) return passOn(std::move(counted));
+    together->counted = std::move(*counted);
     std::vector<Node> gathered;
     gathered.reserve(nodes);
     together->places.reserve(nodes);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
@@ -47,14 +48,15 @@ struct Together {
 };
 
 /// Nodes that clouds may have together, and bytes that each takes once more then.
-inline constexpr std::uint64_t mostNodesTogether = 1'000'000;
+inline constexpr std::uint64_t mostNodesTogether = 300'000;
 inline constexpr std::uint64_t bytesPerNodeTogether = sizeof(Node) + sizeof(Together::Place);
 
 /// The first member is the view's own cloud: its origin, CRS, look and stations are the result's, whose look sees all that is
 /// shown. `byCloud`: each cloud in one colour, its tint or cloudColors by its place. `like`: one of before; where the same samples
 /// are shown, only elsewhere, devices keep what they have of it. Takes milliseconds, and waits for nothing. Memory is counted in the
 /// cache, whose clouds the members are, or clouds in memory. Errors, field `with`: Unsupported for another CRS or unit than the own
-/// cloud's, and where clouds are with other processes; ResourceLimit for too many nodes.
+/// cloud's, and where clouds are with other processes; ResourceLimit for too many nodes; Unavailable where all that are put together
+/// at present, by anybody, take a quarter of the cache's memory already.
 Expected<std::shared_ptr<const Cloud>> putTogether(std::vector<TogetherMember> members, bool byCloud,
                                                    const std::shared_ptr<BlockCache>& cache,
                                                    const Cloud* like = nullptr);

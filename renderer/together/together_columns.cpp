@@ -66,6 +66,9 @@ Expected<std::shared_ptr<const Octree>> picturedOctreeOf(const Cloud& cloud, con
         // The octree of one is what keeps its store; only that is needed here.
         if (*octree) store = (*octree)->sharedStore();
     }
+    auto counted = pictured->count(cloud.octree.nodes().size());
+    if (!counted) return passOn(std::move(counted));
+    pictured->counted = std::move(*counted);
     std::vector<Node> nodes(cloud.octree.nodes().begin(), cloud.octree.nodes().end());
     return derived.keep(words,
                         std::make_shared<const Octree>(std::move(nodes), togetherStore(std::move(pictured))));

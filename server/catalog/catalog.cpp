@@ -1,6 +1,7 @@
 #include "server/catalog/catalog.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "protocol/nearest_name.hpp"
 #include "renderer/cloud/cloud.hpp"
@@ -97,12 +98,13 @@ void Catalog::setTitle(std::string_view id, std::string_view title) {
 
 bool Catalog::remove(std::string_view id) {
     CatalogEntry last;  // a large cloud takes its time to go, which nobody else waits for
+    TogetherClouds::Clouds gone;
     const std::lock_guard lock(mutex_);
     const auto at = std::find_if(entries_.begin(), entries_.end(), [&](const auto& e) { return e.id == id; });
     if (at == entries_.end()) return false;
     last = std::move(*at);
     entries_.erase(at);
-    together_.forget(last.cloud.get());
+    gone = together_.forget(last.cloud.get());
     settleLocked();
     return true;
 }
@@ -119,13 +121,14 @@ void Catalog::setProgress(std::string_view id, std::string_view stage, std::uint
 }
 
 void Catalog::setReady(std::string_view id, std::shared_ptr<const Cloud> cloud) {
+    TogetherClouds::Clouds gone;
     const std::lock_guard lock(mutex_);
     if (CatalogEntry* entry = findLocked(id)) {
         entry->state = CloudState::Ready;
         entry->stage.clear();
         entry->progress.reset();
         entry->error.clear();
-        together_.forget(entry->cloud.get());
+        gone = together_.forget(entry->cloud.get());
         entry->cloud.swap(cloud);  // a large one takes its time to go
         settleLocked();
     }
@@ -142,13 +145,14 @@ bool Catalog::tryAgain(std::string_view id) {
 
 bool Catalog::replace(std::string_view id, const std::shared_ptr<const Cloud>& now,
                       Expected<std::shared_ptr<const Cloud>> then) {
+    TogetherClouds::Clouds gone;
     const std::lock_guard lock(mutex_);
     CatalogEntry* entry = findLocked(id);
     if (entry == nullptr || entry->cloud != now) return false;
     if (entry->state != (now ? CloudState::Ready : CloudState::Failed)) return false;
     entry->state = then ? CloudState::Ready : CloudState::Failed;
     entry->error = then ? std::string() : std::move(then.error().message);
-    together_.forget(entry->cloud.get());
+    gone = together_.forget(entry->cloud.get());
     if (then)
         entry->cloud.swap(*then);  // a large one takes its time to go
     else
@@ -157,20 +161,22 @@ bool Catalog::replace(std::string_view id, const std::shared_ptr<const Cloud>& n
 }
 
 void Catalog::setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud) {
+    TogetherClouds::Clouds gone;
     const std::lock_guard lock(mutex_);
     CatalogEntry* entry = findLocked(id);
     if (entry == nullptr || entry->state != CloudState::Loading) return;
-    together_.forget(entry->cloud.get());
+    gone = together_.forget(entry->cloud.get());
     entry->cloud = std::move(cloud);
 }
 
 void Catalog::setFailed(std::string_view id, std::string reason) {
+    TogetherClouds::Clouds gone;
     const std::lock_guard lock(mutex_);
     if (CatalogEntry* entry = findLocked(id)) {
         entry->state = CloudState::Failed;
         entry->stage.clear();
         entry->progress.reset();
-        together_.forget(entry->cloud.get());
+        gone = together_.forget(entry->cloud.get());
         entry->cloud.reset();
         entry->error = std::move(reason);
         settleLocked();
@@ -178,6 +184,7 @@ void Catalog::setFailed(std::string_view id, std::string reason) {
 }
 
 void Catalog::setLive(std::string_view id, LiveStatus status, std::shared_ptr<const Cloud> cloud) {
+    TogetherClouds::Clouds gone;
     const std::lock_guard lock(mutex_);
     CatalogEntry* entry = findLocked(id);
     if (entry == nullptr) return;
@@ -186,7 +193,7 @@ void Catalog::setLive(std::string_view id, LiveStatus status, std::shared_ptr<co
     entry->state = CloudState::Ready;
     entry->stage.clear();
     entry->error.clear();
-    together_.forget(entry->cloud.get());
+    gone = together_.forget(entry->cloud.get());
     entry->cloud.swap(cloud);  // a large one takes its time to go
     settleLocked();
 }
@@ -248,7 +255,7 @@ Expected<std::shared_ptr<const Cloud>> Catalog::together(std::vector<TogetherMem
     if (!made) return made;
     // What went meanwhile is not kept on its account.
     for (const TogetherMember& member : (*made)->together->members)
-        if (!showsNow(member.cloud.get())) together_.forget(member.cloud.get());
+        if (!showsNow(member.cloud.get())) std::ignore = together_.forget(member.cloud.get());
     return made;
 }
 

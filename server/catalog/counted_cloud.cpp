@@ -17,7 +17,7 @@ std::shared_ptr<const Cloud> counted(std::shared_ptr<const Cloud> cloud,
             [cache = std::weak_ptr(cache)](
                 std::shared_ptr<const CloudFile> file) -> std::shared_ptr<SampleStore> {
                 const auto there = cache.lock();
-                return there ? there->add(std::move(file)) : nullptr;
+                return there ? there->addDerived(std::move(file)) : nullptr;
             });
     const auto holder = std::make_shared<const Counted>(Counted{std::move(cloud), cache->reserve(bytes)});
     return {holder, holder->cloud.get()};

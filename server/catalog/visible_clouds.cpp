@@ -32,7 +32,12 @@ tl::expected<std::shared_ptr<const Cloud>, Problem> VisibleClouds::cloud(std::st
 Expected<std::shared_ptr<const Cloud>> VisibleClouds::viewed(std::string_view id, const View& view) const {
     const auto own = cloud(id);
     if (!own) return tl::unexpected(errorOf(own.error(), "cloud"));
-    if (view.with.empty()) return *own;
+    const bool byCloud = view.style.color == ColorSource::Cloud;
+    const auto isItself = [](const ViewedCloud& one) {
+        return one.cloud == ownCloudName && one.shift == glm::dvec3(0) && !one.tint && !one.hidden;
+    };
+    if (!byCloud && std::ranges::all_of(view.with, isItself)) return *own;
+    if (view.with.empty()) return *own;  // each cloud in its colour, and there is one
     auto members = membersOf(view.with, {.name = std::string(id), .cloud = *own},
                              [&](const ViewedCloud& one) -> Expected<std::shared_ptr<const Cloud>> {
                                  auto other = cloud(one.cloud);
@@ -40,7 +45,7 @@ Expected<std::shared_ptr<const Cloud>> VisibleClouds::viewed(std::string_view id
                                  return *other;
                              });
     if (!members) return passOn(std::move(members));
-    return catalog_.together(std::move(*members), view.style.color == ColorSource::Cloud);
+    return catalog_.together(std::move(*members), byCloud);
 }
 
 bool VisibleClouds::isLive(std::string_view id, const ViewedClouds& with) const {

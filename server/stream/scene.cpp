@@ -7,6 +7,7 @@
 
 #include "protocol/view/view_json.hpp"
 #include "renderer/plan.hpp"
+#include "renderer/together/together.hpp"
 
 namespace scancast {
 namespace {
@@ -116,7 +117,10 @@ tl::expected<Scene, Problem> SceneResolver::changed(const Scene& now,
     if (!view) return tl::unexpected(problemOf(view.error()));
     scene.view = std::move(*view);
     scene.seq = change.seq;
-    const bool several = !scene.view.with.empty() || scene.cloud->together;
+    const auto isByCloud = [](const View& view) { return view.style.color == ColorSource::Cloud; };
+    const bool isSame = scene.cloudId == now.cloudId && scene.view.with == now.view.with &&
+                        isByCloud(scene.view) == isByCloud(now.view) && isCurrent(scene);
+    const bool several = !isSame && (!scene.view.with.empty() || scene.cloud->together);
     if (auto sound = several ? lookAnew(scene) : plan(scene); !sound)
         return tl::unexpected(problemOf(sound.error()));
     return scene;
@@ -128,6 +132,16 @@ Expected<void> SceneResolver::lookAnew(Scene& scene) const {
     if (*cloud != scene.cloud) scene.planned.reset();
     scene.cloud = std::move(*cloud);
     return plan(scene);
+}
+
+bool SceneResolver::isCurrent(const Scene& scene) const {
+    const auto has = [&](std::string_view id, const std::shared_ptr<const Cloud>& cloud) {
+        const auto there = world_.cloud(id);
+        return there && *there == cloud;
+    };
+    if (!scene.cloud->together) return has(scene.cloudId, scene.cloud);
+    return std::ranges::all_of(scene.cloud->together->members,
+                               [&](const TogetherMember& member) { return has(member.name, member.cloud); });
 }
 
 ViewedClouds SceneResolver::known(const ViewedClouds& clouds) const {

@@ -68,6 +68,8 @@ class SceneResolver {
     Expected<void> plan(Scene& scene) const;
     /// What it shows now, and plans that.
     Expected<void> lookAnew(Scene& scene) const;
+    /// Whether each of the clouds that it shows is the one that has its name now: a look at them, without putting any together.
+    bool isCurrent(const Scene& scene) const;
     /// Those of the clouds that there are, for this session's client; the view's own is always one.
     ViewedClouds known(const ViewedClouds& clouds) const;
     /// Whether one of the clouds that the scene shows is being loaded; whether one changes by itself.

@@ -255,8 +255,7 @@ void StreamSession::lookAround(Time now) {
     followLeader(now);
     if (state_ != State::Open || !cloud) return;
     leaveOutLost(now);
-    const auto shown = world_.viewed(scene_.cloudId, scene_.view);
-    if (shown && *shown == scene_.cloud) return;
+    if (scenes_.isCurrent(scene_)) return;
     nextLook_ = now;  // another cloud has taken the name
     lookForNewerCloud(now);
     pump(now);
@@ -304,7 +303,7 @@ void StreamSession::lookForNewerCloud(Time now) {
     const bool more = scenes_.loading(scene_);  // asked first: what comes after the answer is seen next time
     nextLook_.reset();
     if (more) nextLook_ = now + options_.cloudInterval;
-    if (const auto shown = world_.viewed(scene_.cloudId, scene_.view); shown && *shown == scene_.cloud) return;
+    if (scenes_.isCurrent(scene_)) return;
     Scene scene = scene_;
     const bool isLive = scenes_.live(scene);
     const auto sound = scenes_.lookAnew(scene);

@@ -1,7 +1,9 @@
-// Requests for maps: the first byte says which. Whatever is accepted must be within its bounds, and tiles within their level.
+// Requests for maps, and for places as longitudes and latitudes with their answers: the first byte says which. Whatever is accepted must be within its bounds, and tiles within their level.
 #include <cstdlib>
 #include <string>
 
+#include "protocol/json_text.hpp"
+#include "protocol/points/lonlat_request.hpp"
 #include "server/net/maps/map_request.hpp"
 #include "server/net/maps/service_exception.hpp"
 #include "server/net/maps/tile_sets.hpp"
@@ -52,6 +54,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const auto wmts = parseWmtsRequest(text, "town");
         checkRefusal(wmts, MapService::Wmts);
         if (wmts && std::holds_alternative<TileRequest>(*wmts)) check(std::get<TileRequest>(*wmts));
+        return 0;
+    }
+    if (data[0] == 'l') {
+        const auto request = parseLonLatRequest(text);
+        if (request) {
+            require(!request->points.empty() && request->points.size() <= mostLonLatPoints);
+            require(parseLonLatRequest(printJson(toJson(*request))).value() == *request);
+        }
+        const auto answer = parseJson(text);
+        const auto points = answer ? parseLonLatAnswer(*answer) : LonLatPoints{};
+        if (points) require(printJson(toJson(*points)).front() == '[');
         return 0;
     }
     // set/z/x/y?query

@@ -1,7 +1,7 @@
 // Filtering by values: the card with a histogram and two handles for each column that the scan keeps. What is shown is the view's own word `filter`,
 // so the address, undo and links hold it, and the server does it; the same histogram carries the ends of the ramp where colours come from that column.
 
-import { columnTitle, knowsColumns, unitOfColumn } from '../page/columns.js';
+import { columnTitle, isOne, knowsColumns, unitOfColumn } from '../page/columns.js';
 import { putCard } from '../page/lazy_tools.js';
 import { element } from '../page/parameter_fields.js';
 import { filter as words } from '../page/strings/filter.js';
@@ -20,7 +20,7 @@ export function columnsFor(cloud) {
   const others = (cloud.attributes ?? []).filter(({ name }) => drawn.includes(name) && !columns.some((one) => one.name === name));
   const { classes = [] } = cloud;
   return [...others.map((one) => ({ type: 'uint16', ...(one.name === 'classification' && classes.length > 0 ? { range: [Math.min(...classes), Math.max(...classes)] } : {}), ...one })), ...columns]
-    .filter((column) => column.drawn !== false && reachOf(column));
+    .filter((column) => column.drawn !== false && !isOne(column.range) && reachOf(column));
 }
 
 /** The word with a column's two ends, null where they are open; null for no filter at all. Pure. */

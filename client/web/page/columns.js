@@ -11,8 +11,11 @@ const drawn = ['intensity', 'classification'];
 /** Whether a server filters and colours by columns: older ones do not have that word. */
 export const knowsColumns = (cloud) => Object.hasOwn(cloud?.view ?? {}, 'filter');
 
+/** All points have the same value. */
+export const isOne = (range) => Boolean(range) && range[0] === range[1];
+
 /** The columns that a scan can be coloured by: older cloud files keep them for exports alone. */
-export const columnsOf = (cloud) => (knowsColumns(cloud) ? (cloud.columns ?? []).filter(({ name, drawn: isDrawn = true }) => isDrawn && !drawn.includes(name)) : []);
+export const columnsOf = (cloud) => (knowsColumns(cloud) ? (cloud.columns ?? []).filter(({ name, drawn: isDrawn = true, range }) => isDrawn && !drawn.includes(name) && !isOne(range)) : []);
 
 /** "GPS time", or the file's own word. */
 export const columnTitle = (name) => words.names[name] ?? name.replaceAll('_', ' ');

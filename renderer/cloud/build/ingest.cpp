@@ -50,7 +50,7 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
         {.workspace = workspace, .file = file->get(), .threads = options.threads, .lanes = memory.lanes},
         progress, stop);
     if (!built) return passOn(built);
-    auto report = finishFile(std::move(*built), options, **file, stop);
+    auto report = finishFile(std::move(*built), options, **file, progress, stop);
     if (!report) return report;
     report->scratchBytes = workspace.mostOnDisk();
     report->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -60,14 +60,17 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
 }  // namespace
 
 Expected<IngestReport> finishFile(BuiltCloud built, const IngestOptions& options, CloudFileWriter& file,
-                                  const std::stop_token& stop) {
+                                  const ProgressSink& progress, const std::stop_token& stop) {
     IngestReport report;
     report.facts = std::move(built.facts);
     report.facts.title = options.title.empty() ? options.output.stem().string() : options.title;
     report.facts.attribution = options.attribution;
     report.facts.recorded = options.recorded;
     report.facts.mirrors = options.mirrors;
-    if (auto ok = addInnerColumns(report.facts, built.octree, file, options.threads, stop); !ok)
+    const auto limit = memoryLimit(options);
+    if (!limit) return passOn(limit);
+    const InnerColumnsRoom room{.threads = options.threads, .memory = *limit / 4};
+    if (auto ok = addInnerColumns(report.facts, built.octree, file, room, progress, stop); !ok)
         return passOn(ok);
     report.facts.revision = revisionOf(report.facts, built.octree);
     if (auto ok = file.finish(report.facts, built.octree.nodes, built.octree.planes, stop); !ok)

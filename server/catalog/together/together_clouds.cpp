@@ -21,29 +21,48 @@ void TogetherClouds::setCache(std::shared_ptr<BlockCache> cache) {
     cache_ = std::move(cache);
 }
 
-Expected<std::shared_ptr<const Cloud>> TogetherClouds::of(std::vector<TogetherMember> members, bool byCloud) {
-    std::list<std::shared_ptr<const Cloud>> gone;  // which take their time to go
-    const std::lock_guard lock(mutex_);
+// With the lock held.
+std::shared_ptr<const Cloud> TogetherClouds::find(const std::vector<TogetherMember>& members, bool byCloud) {
     const auto known = std::ranges::find_if(clouds_, [&](const auto& cloud) {
         const Together& together = *cloud->together;
         return together.byCloud == byCloud && std::ranges::equal(together.members, members, isSame);
     });
-    if (known != clouds_.end()) {
-        clouds_.splice(clouds_.begin(), clouds_, known);
-        return clouds_.front();
+    if (known == clouds_.end()) return nullptr;
+    clouds_.splice(clouds_.begin(), clouds_, known);
+    return clouds_.front();
+}
+
+Expected<std::shared_ptr<const Cloud>> TogetherClouds::of(std::vector<TogetherMember> members, bool byCloud) {
+    std::shared_ptr<BlockCache> cache;
+    std::shared_ptr<const Cloud> like;
+    {
+        const std::lock_guard lock(mutex_);
+        if (auto known = find(members, byCloud)) return known;
+        if (!cache_) {
+            BlockCacheOptions own;
+            own.memoryLimit = ownCacheBytes;
+            own.threads = 1;
+            cache_ = BlockCache::create(own);
+        }
+        cache = cache_;
+        for (const auto& cloud : clouds_)
+            if (!like && cloud->together->members.front().cloud == members.front().cloud) like = cloud;
     }
-    if (!cache_) {
-        BlockCacheOptions own;
-        own.memoryLimit = ownCacheBytes;
-        own.threads = 1;
-        cache_ = BlockCache::create(own);
+    auto made = putTogether(members, byCloud, cache, like.get());
+    if (!made && made.error().code == ErrorCode::Unavailable) {
+        // What is only kept makes room for what is asked for.
+        Clouds gone;
+        {
+            const std::lock_guard lock(mutex_);
+            gone.swap(clouds_);
+        }
+        gone.clear();
+        made = putTogether(members, byCloud, cache, like.get());
     }
-    const auto like = std::ranges::find_if(clouds_, [&](const auto& cloud) {
-        return cloud->together->members.front().cloud == members.front().cloud;
-    });
-    auto made =
-        putTogether(std::move(members), byCloud, cache_, like == clouds_.end() ? nullptr : like->get());
     if (!made) return made;
+    Clouds gone;
+    const std::lock_guard lock(mutex_);
+    if (auto known = find(members, byCloud)) return known;  // somebody was first
     clouds_.push_front(*made);
     std::uint64_t nodes = 0;
     std::size_t kept = 0;
@@ -56,8 +75,8 @@ Expected<std::shared_ptr<const Cloud>> TogetherClouds::of(std::vector<TogetherMe
     return made;
 }
 
-void TogetherClouds::forget(const Cloud* member) {
-    std::list<std::shared_ptr<const Cloud>> gone;
+TogetherClouds::Clouds TogetherClouds::forget(const Cloud* member) {
+    Clouds gone;
     const std::lock_guard lock(mutex_);
     for (auto at = clouds_.begin(); at != clouds_.end();) {
         const auto next = std::next(at);
@@ -65,6 +84,7 @@ void TogetherClouds::forget(const Cloud* member) {
         if (std::ranges::any_of((*at)->together->members, isOf)) gone.splice(gone.end(), clouds_, at);
         at = next;
     }
+    return gone;
 }
 
 std::size_t TogetherClouds::size() const {

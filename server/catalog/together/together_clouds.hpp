@@ -1,7 +1,7 @@
 // Clouds that views show together, made when somebody asks for them and kept while they are asked for: a bounded number, the one
 // that nobody has asked for longest goes first. A cloud that is replaced or removed takes those with it that it is in.
 //
-// Owned by the catalog. *Thread safety*: any thread; one is made at a time, in milliseconds.
+// Owned by the catalog. *Thread safety*: any thread; nobody waits while one is made, which takes milliseconds.
 #pragma once
 
 #include <list>
@@ -23,14 +23,18 @@ class TogetherClouds {
     void setCache(std::shared_ptr<BlockCache> cache);
     /// The same one for the same clouds in the same places. Errors: putTogether()'s.
     Expected<std::shared_ptr<const Cloud>> of(std::vector<TogetherMember> members, bool byCloud);
-    /// Forgets those that it is in; who looks at one goes on looking.
-    void forget(const Cloud* member);
+    using Clouds = std::list<std::shared_ptr<const Cloud>>;
+    /// Forgets those that it is in; who looks at one goes on looking. They take their time to go, which who holds a lock leaves for
+    /// later.
+    [[nodiscard]] Clouds forget(const Cloud* member);
     std::size_t size() const;
 
   private:
     mutable std::mutex mutex_;
     std::shared_ptr<BlockCache> cache_;
-    std::list<std::shared_ptr<const Cloud>> clouds_;  ///< most recently asked for first
+    std::shared_ptr<const Cloud> find(const std::vector<TogetherMember>& members, bool byCloud);
+
+    Clouds clouds_;  ///< most recently asked for first
 };
 
 }  // namespace scancast

@@ -141,6 +141,12 @@ Expected<Planned> viewOfCloudAlone(const Cloud& cloud, const nlohmann::json& cha
     if (!first) return passOn(first);
     const auto view = applyJson(defaultOfSize(cloud, *first), changes);
     if (!view) return passOn(view);
+    // What is seen of several, or elsewhere, is not what lies there in this one.
+    if (!view->with.empty())
+        return fail(ErrorCode::Unsupported,
+                    "with: points of one cloud are gone over here, where it lies by itself; ask without it, for "
+                    "each cloud by its own address",
+                    "with");
     return planned(cloud, *view, maxPixels);
 }
 

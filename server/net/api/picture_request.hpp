@@ -37,7 +37,7 @@ Expected<AskedView> viewOfQuery(const VisibleClouds& clouds, std::string_view id
                                 std::uint64_t maxPixels);
 Expected<AskedView> viewOfJson(const VisibleClouds& clouds, std::string_view id, const nlohmann::json& changes,
                                std::uint64_t maxPixels);
-/// The same of this cloud alone, whatever others the view shows: for who goes over points of one cloud.
+/// The same of one cloud alone, for who goes over its points: Unsupported where the view shows others, or moves it (`with`).
 Expected<std::shared_ptr<const PlannedView>> viewOfCloudAlone(const Cloud& cloud, const nlohmann::json& changes,
                                                               std::uint64_t maxPixels);
 

@@ -32,7 +32,7 @@ struct MapFacts {
 MapFacts mapFacts(const Cloud& cloud, const GeoReference* geo);
 
 std::string wmsCapabilities(const MapFacts& facts);
-/// `cloud` says what the tiles of its own coordinates are.
+/// `cloud`, that of the address, says what the tiles of its own coordinates are.
 std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud);
 
 }  // namespace scancast

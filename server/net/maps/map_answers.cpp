@@ -128,7 +128,7 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
     asked->gone = gone;
     auto cloud = clouds.cloud(routed.id);
     if (!cloud) return asked->refuse(std::move(cloud.error()));
-    asked->cloud = std::move(*cloud);
+    asked->own = asked->cloud = std::move(*cloud);
     auto place = places_.take(request.client);
     if (!place) return asked->refuse(std::move(place.error()));
     asked->place = std::move(*place);
@@ -189,7 +189,7 @@ void MapAnswers::tile(const Shared& asked, const TileRequest& tile) const {
     const auto view = look(asked, tile.words);
     if (!view) return;
     const bool isFile = tile.set == fileCrs;
-    const TileSet set = isFile ? fileTiles(*asked->cloud) : mercatorTiles();
+    const TileSet set = isFile ? fileTiles(*asked->own) : mercatorTiles();
     const MapExtent extent = set.extentOf(tile.z, tile.x, tile.y);
     MapRequest wanted;
     wanted.crs = isFile ? std::string(fileCrs) : "EPSG:3857";

@@ -17,6 +17,7 @@ namespace scancast {
 struct MapAnswers::Asked {
     explicit Asked(const VisibleClouds& visible) : clouds(visible) {}
 
+    std::shared_ptr<const Cloud> own;    ///< of the address: tiles stay where they are, whatever else is shown
     std::shared_ptr<const Cloud> cloud;  ///< what the words of a view show
     VisibleClouds clouds;
     bool live = false;

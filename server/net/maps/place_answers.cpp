@@ -71,7 +71,7 @@ void MapAnswers::capabilities(const Shared& asked, const CapabilitiesRequest& re
         facts.words = request.words;
         facts.widest = int(std::min(std::sqrt(double(options_.maxPixels)), double(maxPictureSide)));
         HttpResponse response;
-        response.text = isWmts ? wmtsCapabilities(facts, cloud) : wmsCapabilities(facts);
+        response.text = isWmts ? wmtsCapabilities(facts, *asked->own) : wmsCapabilities(facts);
         const std::string tag = contentTag(response.text);
         response.set("Content-Type", isWmts ? "application/xml; charset=utf-8" : "text/xml; charset=utf-8")
             .set("ETag", tag)

@@ -25,7 +25,7 @@ const page = await (await browser.newContext({ viewport: { width: 1280, height: 
 let pictures = 0;
 let at = { x: 640, y: 680 };
 const take = async (count = 1) => {
-  for (let i = 0; i < count; ++i) await page.screenshot({ path: join(folder, `${String(pictures++).padStart(5, '0')}.jpg`), type: 'jpeg', quality: 90 });
+  for (let i = 0; i < count; ++i) await page.screenshot({ path: join(folder, `${String(pictures++).padStart(5, '0')}.jpg`), type: 'jpeg', quality: 90, timeout: 120_000 });
 };
 /** The browser draws no cursor into screenshots. */
 const showCursor = ({ x, y }) => page.evaluate(([left, top]) => {
@@ -63,11 +63,15 @@ const drag = async (to, steps = 16) => {
   await take(4);
 };
 const middleOf = async (selector) => {
-  await page.locator(selector).first().scrollIntoViewIfNeeded(); // the list of what has been measured pushes the kinds away
+  // What has been measured scrolls the kinds away, beneath the panel's head.
+  await page.locator(selector).first().evaluate((node) => node.scrollIntoView({ block: 'center' }));
   const { x, y, width, height } = await page.locator(selector).first().boundingBox();
   return { x: x + width / 2, y: y + height / 2 };
 };
-const kind = async (name) => click(await middleOf(`#measure-kinds .choice:has(input[value=${name}])`));
+const kind = async (name) => {
+  await click(await middleOf(`#measure-kinds .choice:has(input[value=${name}])`));
+  if (!await page.locator(`#measure-kinds input[value=${name}]`).isChecked()) throw new Error(`The click did not choose ${name}.`);
+};
 
 await page.goto(`${url}#cloud=${cloud}`);
 await waitUntilSharp(page, 60_000);

@@ -102,14 +102,14 @@ class Maps(unittest.TestCase):
         cls.folder = folder.name
         with open(cls.path("plain.xyz"), "w") as file:
             file.write(plain())
-        program("ingest", cls.path("plain.xyz"), "-q", "--crs", "EPSG:25833", "-o", cls.path("plain.scan"))
+        program("ingest", cls.path("plain.xyz"), "-q", "--assume-crs", "EPSG:25833", "-o", cls.path("plain.scan"))
         clouds = []
         for number, (name, (x, y)) in enumerate(SYSTEMS.items()):
             scan = cls.path(f"place{number}.xyz")
             with open(scan, "w") as file:
                 file.writelines(f"{x + a * 1e-4} {y + b * 1e-4} {a}\n" for a in range(8) for b in range(8))
             clouds.append(cls.path(f"place{number}.scan"))
-            program("ingest", scan, "-q", "--crs", name, "-o", clouds[-1])
+            program("ingest", scan, "-q", "--assume-crs", name, "-o", clouds[-1])
         with open(cls.path("nowhere.xyz"), "w") as file:
             file.writelines(f"{a} {b} 0\n" for a in range(8) for b in range(8))
         clouds.append(cls.path("nowhere.xyz"))
@@ -130,7 +130,7 @@ class Maps(unittest.TestCase):
 
     def map(self, crs, box, width, height, **words):
         query = {"SERVICE": "WMS", "VERSION": "1.3.0", "REQUEST": "GetMap", "LAYERS": "plain", "STYLES": "", "CRS": crs, "BBOX": ",".join(map(repr, box)),
-                 "WIDTH": width, "HEIGHT": height, "FORMAT": "image/png", "TRANSPARENT": "TRUE", "method": "sprites", "shading": "unlit", **words}
+                 "WIDTH": width, "HEIGHT": height, "FORMAT": "image/png", "TRANSPARENT": "TRUE", "method": "circle", "shading": "unlit", **words}
         return self.get("wms?" + urllib.parse.urlencode(query))
 
     def lonlat(self, points, to="lonlat", cloud="plain", status=200):
@@ -139,13 +139,13 @@ class Maps(unittest.TestCase):
         self.assertEqual(found, status, body)
         return json.loads(body).get("points")
 
-    def assert_marks(self, picture, extent, places, off=0.5):
-        """`extent`: left, bottom, right, top of the picture, in the places' coordinates."""
+    def assert_marks(self, picture, extent, places, off=0.5, metre=1.0):
+        """`extent`: left, bottom, right, top of the picture, in the places' coordinates, of which `metre` is about one."""
         left, bottom, right, top = extent
         height, width = picture.shape[:2]
         for x, y in places:
             at = (x - left) / (right - left) * width, (top - y) / (top - bottom) * height
-            found = middle_of_red(picture, at, 2.5 * MARK / (right - left) * width * (110 if right - left < 1 else 1.7))
+            found = middle_of_red(picture, at, 3 * MARK * metre / (right - left) * width)
             self.assertLess(math.dist(at, found), off, f"{at} {found}")
 
     # ---- where marks are
@@ -170,10 +170,10 @@ class Maps(unittest.TestCase):
         for words in ({"crs": "CRS:84", "box": (left, bottom, right, top)}, {"crs": "EPSG:4326", "box": (bottom, left, top, right)}):
             _, data = self.map(words["crs"], words["box"], 500, 500)
             pictures.append(data)
-            self.assert_marks(decoded(data), (left, bottom, right, top), places)
+            self.assert_marks(decoded(data), (left, bottom, right, top), places, metre=1.5e-5)
         self.assertEqual(*pictures)
         query = urllib.parse.urlencode({"VERSION": "1.1.1", "REQUEST": "GetMap", "SRS": "EPSG:4326", "BBOX": f"{left!r},{bottom!r},{right!r},{top!r}",
-                                        "WIDTH": 500, "HEIGHT": 500, "TRANSPARENT": "TRUE", "method": "sprites", "shading": "unlit"})
+                                        "WIDTH": 500, "HEIGHT": 500, "TRANSPARENT": "TRUE", "method": "circle", "shading": "unlit"})
         self.assertEqual(self.get("wms?" + query)[1], pictures[0], "WMS 1.1.1 has x, y everywhere")
 
     def test_a_projected_map_is_what_gdalwarp_makes_of_the_files_own(self):
@@ -197,7 +197,7 @@ class Maps(unittest.TestCase):
     # ---- GDAL's drivers
 
     def test_gdal_reads_wms(self):
-        listed = gdal.Open(f"WMS:{self.cloud}/wms?SERVICE=WMS&VERSION=1.3.0&REQUEST=GetCapabilities&method=sprites&shading=unlit").GetMetadata("SUBDATASETS")
+        listed = gdal.Open(f"WMS:{self.cloud}/wms?SERVICE=WMS&VERSION=1.3.0&REQUEST=GetCapabilities&method=circle&shading=unlit").GetMetadata("SUBDATASETS")
         names = [value for key, value in listed.items() if key.endswith("_NAME")]
         self.assertTrue(names)
         for name in names:
@@ -206,7 +206,7 @@ class Maps(unittest.TestCase):
         for crs in ("EPSG:25833", "EPSG:3857"):
             corners = projected([(BOX[0], BOX[1]), (BOX[2], BOX[3])], "EPSG:25833", crs)
             name = (f"WMS:{self.cloud}/wms?SERVICE=WMS&VERSION=1.3.0&REQUEST=GetMap&LAYERS=plain&STYLES=&CRS={crs}&FORMAT=image/png&TRANSPARENT=TRUE"
-                    f"&method=sprites&shading=unlit&BBOX={','.join(repr(c) for p in corners for c in p)}")
+                    f"&method=circle&shading=unlit&BBOX={','.join(repr(c) for p in corners for c in p)}")
             raster = gdal.Translate("", name, format="MEM", width=500, height=500)
             left, across, _, top, _, down = raster.GetGeoTransform()
             extent = left, top + 500 * down, left + 500 * across, top
@@ -214,8 +214,8 @@ class Maps(unittest.TestCase):
             self.assert_marks(pixels(raster), extent, projected(MARKS, "EPSG:25833", crs), 1)
 
     def test_gdal_reads_wmts(self):
-        name = f"WMTS:{self.cloud}/wmts/1.0.0/WMTSCapabilities.xml?method=sprites&shading=unlit"
-        for address in (name, f"WMTS:{self.cloud}/wmts?SERVICE=WMTS&REQUEST=GetCapabilities&method=sprites&shading=unlit"):
+        name = f"WMTS:{self.cloud}/wmts/1.0.0/WMTSCapabilities.xml?method=circle&shading=unlit"
+        for address in (name, f"WMTS:{self.cloud}/wmts?SERVICE=WMTS&REQUEST=GetCapabilities&method=circle&shading=unlit"):
             for tiles, crs in (("mercator", "EPSG:3857"), ("file", "EPSG:25833")):
                 raster = gdal.Open(f"{address},layer=plain,tilematrixset={tiles},style=default")
                 self.assertTrue(osr.SpatialReference(raster.GetProjection()).IsSame(system(crs)), crs)
@@ -234,7 +234,7 @@ class Maps(unittest.TestCase):
 
     def test_tiles_fit_and_there_is_nothing_outside(self):
         x, y = self.tile_of(20, projected([MIDDLE], "EPSG:25833", "EPSG:3857")[0])
-        words = "?method=sprites&shading=unlit"
+        words = "?method=circle&shading=unlit"
         whole = [[decoded(self.get(f"tiles/mercator/21/{2 * x + column}/{2 * y + row}.png{words}")[1]) for column in (0, 1)] for row in (0, 1)]
         joined = numpy.concatenate([numpy.concatenate(row, axis=1) for row in whole])
         coarse = decoded(self.get(f"tiles/mercator/20/{x}/{y}.png{words}")[1])
@@ -256,10 +256,10 @@ class Maps(unittest.TestCase):
     def test_the_files_tiles_are_documented_arithmetic(self):
         # The plain's 96 m in one tile of 256 pixels: of 0.375 m, or the next power of two, 0.5 m.
         left, top = math.floor((MIDDLE[0] - SIDE / 2) / 0.5) * 0.5, math.ceil((MIDDLE[1] + SIDE / 2) / 0.5) * 0.5
-        tile = decoded(self.get("tiles/file/0/0/0.png?method=sprites&shading=unlit")[1])
+        tile = decoded(self.get("tiles/file/0/0/0.png?method=circle&shading=unlit")[1])
         self.assert_marks(tile, (left, top - 128, left + 128, top), MARKS)
-        tile = decoded(self.get("tiles/file/1/1/1.png?method=sprites&shading=unlit")[1])
-        self.assert_marks(tile, (left + 64, top - 128, left + 128, top - 64), [MARKS[1]])
+        tile = decoded(self.get("tiles/file/1/1/0.png?method=circle&shading=unlit")[1])
+        self.assert_marks(tile, (left + 64, top - 64, left + 128, top), [MARKS[2]])
 
     def test_tags_save_the_work(self):
         for target in ("tiles/file/0/0/0.png", "wmts/1.0.0/WMTSCapabilities.xml", "wms?SERVICE=WMS&REQUEST=GetMap&CRS=file&BBOX=0,0,1,1&WIDTH=9&HEIGHT=9"):
@@ -327,7 +327,7 @@ class Maps(unittest.TestCase):
     # ---- what is said
 
     def test_capabilities(self):
-        _, body = self.get("wms?SERVICE=WMS&REQUEST=GetCapabilities&method=ewa&color=rgb*intensity")
+        _, body = self.get("wms?SERVICE=WMS&REQUEST=GetCapabilities&method=ewa&color=elevation")
         names = {"w": "http://www.opengis.net/wms", "x": "http://www.w3.org/1999/xlink"}
         root = xml.fromstring(body)
         layer = root.find("w:Capability/w:Layer/w:Layer", names)
@@ -335,7 +335,7 @@ class Maps(unittest.TestCase):
         self.assertIn("elevation", [s.text for s in layer.findall("w:Style/w:Name", names)])
         self.assertNotIn("intensity", [s.text for s in layer.findall("w:Style/w:Name", names)])
         href = root.find(".//w:GetMap//w:OnlineResource", names).get("{http://www.w3.org/1999/xlink}href")
-        self.assertEqual(href, self.cloud + "/wms?method=ewa&color=rgb%2Aintensity&")
+        self.assertEqual(href, self.cloud + "/wms?method=ewa&color=elevation&")
         box = layer.find("w:EX_GeographicBoundingBox", names)
         west, south = projected([(MIDDLE[0] - SIDE / 2, MIDDLE[1] - SIDE / 2)], "EPSG:25833", "OGC:CRS84")[0]
         self.assertLessEqual(float(box.find("w:westBoundLongitude", names).text), west)
@@ -345,7 +345,7 @@ class Maps(unittest.TestCase):
         good = {"SERVICE": "WMS", "VERSION": "1.3.0", "REQUEST": "GetMap", "LAYERS": "plain", "CRS": "EPSG:3857", "BBOX": "0,0,1,1", "WIDTH": "8", "HEIGHT": "8"}
         for words, status, code in (({"CRS": "EPSG:25832"}, 400, "InvalidCRS"), ({"LAYERS": "other"}, 400, "LayerNotDefined"), ({"STYLES": "gaudy"}, 400, "StyleNotDefined"),
                                     ({"FORMAT": "image/tiff"}, 400, "InvalidFormat"), ({"REQUEST": "GetLost"}, 400, "OperationNotSupported"), ({"BBOX": "1,1,0,0"}, 400, None),
-                                    ({"WIDTH": "16384", "HEIGHT": "16384"}, 413, None), ({"eye": "1,2,3"}, 400, None), ({"colour": "rgb"}, 400, None)):
+                                    ({"WIDTH": "16384", "HEIGHT": "16384"}, 413, None), ({"eye": "1,2,3"}, 400, None), ({"TIME": "2019"}, 400, None), ({"colour": "rgb"}, 400, None)):
             headers, body = self.get("wms?" + urllib.parse.urlencode({**good, **words}), status)
             self.assertEqual(headers["Content-Type"], "text/xml; charset=utf-8")
             fault = xml.fromstring(body).find("{http://www.opengis.net/ogc}ServiceException")

@@ -102,6 +102,12 @@ TEST_F(TogetherTest, RefusalsSayWhichCloudAndWhy) {
                                   R"({"view": {"with": [{"cloud": "none"}]}, "x": 1, "y": 1})", {sendsJson});
     EXPECT_EQ(picked.status, 404);
     EXPECT_EQ(field(picked), "view.with");
+    const HttpReply measured = post(
+        port(), "/api/v1/clouds/one/measure",
+        R"({"measure": "volume", "points": [[0, 0], [9, 0], [0, 9]], "base": 0, "view": {"with": [{"cloud": "two"}]}})",
+        {sendsJson});
+    EXPECT_EQ(measured.status, 422) << "of one cloud, where it lies";
+    EXPECT_EQ(field(measured), "view.with");
 }
 
 TEST_F(TogetherTest, PicksSayWhosePointItIs) {
@@ -207,7 +213,7 @@ TEST_F(TogetherTest, FewAreKeptAndNoneOfWhatIsGone) {
     for (int i = 2; i < 40; ++i) ASSERT_TRUE(kept.of(pair(i), false));
     EXPECT_EQ(kept.size(), TogetherClouds::most);
     EXPECT_NE(kept.of(pair(1), false).value(), first) << "the oldest went";
-    kept.forget(two.get());
+    EXPECT_EQ(kept.forget(two.get()).size(), TogetherClouds::most);
     EXPECT_EQ(kept.size(), 0U);
 }
 

@@ -24,6 +24,7 @@ class ColumnsOverHttp : public ServerTest {
         sources.push_back(std::make_unique<ColumnSource>(count, ground));
         IngestOptions options;
         options.shape.leafPoints = 1000;
+        options.shape.surfels = false;
         options.output = folder_ / "flight.scan";
         ASSERT_TRUE(ingest(std::move(sources), options, {}, {}));
         server->catalog().setReady(server->catalog().add("flight"),

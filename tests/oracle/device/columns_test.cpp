@@ -26,6 +26,7 @@ constexpr std::uint8_t stays = 1, goes = 2;
 OctreeShape columnShape() {
     OctreeShape made;
     made.leafPoints = 700;
+    made.surfels = true;
     return made;
 }
 
@@ -212,7 +213,7 @@ TEST_P(Columns, LeaveColoursAloneWhereTheyOnlyFilter) {
     const auto brute = toldOf(
         *clouds_->inFile, [](std::uint32_t, const Sample& s) { return s.intensity; },
         [](std::uint32_t i, const Sample&) { return amountOf(i) <= 250.5; });
-    for (const char* color : {"rgb", "rgb*intensity", "normal"})
+    for (const char* color : {"rgb", "rgb*intensity", "elevation"})
         EXPECT_TRUE(picture(*clouds_->inFile,
                             {{"method", "paraboloid"},
                              {"color", color},

@@ -197,7 +197,7 @@ TEST_P(TogetherOracle, HiddenIsAbsent) {
     const auto one = together({member("ground", groundCloud()), hidden});
     for (View view : plainViews()) {
         EXPECT_EQ(differing(draw(*one, view), draw(*groundCloud(), view)), 0U);
-        for (const char* method : {"paraboloid", "ewa"}) {
+        for (const char* method : {"paraboloid", "square"}) {
             view.style.method = method;
             view.quality.detail.reset();
             view.style.shading.reset();
@@ -302,7 +302,7 @@ TEST_P(TogetherOracle, IsTheSameOnEveryDeviceAndOutOfFiles) {
     for (View view : plainViews()) {
         const Frame expected = draw(*inMemory, view);
         EXPECT_EQ(differing(expected, draw(*outOfCore, view)), 0U);
-        for (const char* method : {"point", "paraboloid", "ewa"}) {
+        for (const char* method : {"point", "paraboloid", "square"}) {
             view.style.method = method;
             view.quality.detail.reset();
             auto reference = render(*cpu, *outOfCore, view);
@@ -388,7 +388,7 @@ TEST(TogetherPick, SaysWhosePointItIsAndWhereThatHasIt) {
     const View view = plainViews()[0];
     const Frame frame = render(*cpu, *both, view).value();
     int ofBall = 0, ofGround = 0;
-    for (std::size_t i = 7; i < frame.depth.size(); i += 97) {
+    for (std::size_t i = 7; i < frame.depth.size(); i += 23) {
         if (!std::isfinite(frame.depth[i])) continue;
         const auto picked = pick(*both, view, {int(i % 240), int(i / 240)}, frame.depth[i]).value();
         ASSERT_TRUE(picked && picked->of);
@@ -432,6 +432,23 @@ TEST(TogetherRefuses, OtherSystemsAndTooManyNodes) {
     const auto large = putTogether({member("a", groundCloud()), member("b", ballCloud())}, false, tiny);
     ASSERT_FALSE(large);
     EXPECT_EQ(large.error().code, ErrorCode::ResourceLimit);
+}
+
+TEST(TogetherRefuses, MoreThanThereIsMemoryForAtATime) {
+    const auto shifted = [](double by) {
+        TogetherMember moved = member("ball", ballCloud());
+        moved.shift.z = by;
+        return std::vector{member("ground", groundCloud()), moved};
+    };
+    const std::uint64_t nodes = groundCloud()->octree.nodes().size() + ballCloud()->octree.nodes().size();
+    const auto little = cacheOf(6 * nodes * bytesPerNodeTogether);  // a quarter holds one and a half
+    auto first = putTogether(shifted(1), false, little);
+    ASSERT_TRUE(first) << first.error().message;
+    const auto second = putTogether(shifted(2), false, little);
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().code, ErrorCode::Unavailable);
+    first = fail(ErrorCode::Cancelled, "gone");
+    EXPECT_TRUE(putTogether(shifted(2), false, little));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace scancast::test {
 
 /// -100.00 … 400.00 in hundredths.
 inline double amountOf(std::uint64_t i) {
-    return std::floor(50'001 * uniform(i, 11)) / 100 - 100;
+    return -100 + 0.01 * std::floor(50'001 * uniform(i, 11));  // as offset and scale make it
 }
 /// 0 … 1000, and NaN for one in 50.
 inline double shotOf(std::uint64_t i) {

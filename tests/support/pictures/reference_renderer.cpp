@@ -36,6 +36,8 @@ Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, Besid
         case ColorSource::Auto:  // a rule names what was chosen
         case ColorSource::Rgb:
             return toned(rule, {s.r, s.g, s.b});
+        case ColorSource::Cloud:   // rgb or flat by then
+        case ColorSource::Column:  // intensity by then
         case ColorSource::Visibility:
         case ColorSource::Flat:
             return rule.flat;

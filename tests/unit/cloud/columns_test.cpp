@@ -17,7 +17,7 @@
 namespace scancast::test {
 namespace {
 
-constexpr std::uint64_t count = 20'000;
+constexpr std::uint64_t count = 12'000;
 
 class KeptColumns : public ::testing::Test {
   protected:
@@ -26,6 +26,7 @@ class KeptColumns : public ::testing::Test {
                                               bool exact = false) {
         IngestOptions options;
         options.shape.leafPoints = 700;
+        options.shape.surfels = false;
         options.shape.exact = exact;
         options.output = folder_ / name;
         options.title = "columns";

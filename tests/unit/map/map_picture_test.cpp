@@ -100,18 +100,23 @@ TEST(MapPicture, EveryPixelOfAProjectedMapShowsItsPlace) {
         const auto map = warp.apply(drawn(**picture, side));
         ASSERT_TRUE(map);
         int seen = 0;
+        glm::dvec2 off(0);
         for (int y = 0; y < extent.height; ++y) {
             for (int x = 0; x < extent.width; ++x) {
                 const glm::dvec2 place = bend.toFile(extent.placeAt({x + 0.5, y + 0.5}));
                 if (place.x < 1 || place.y < 1 || place.x > side - 1 || place.y > side - 1) continue;
                 ++seen;
-                // Half a step of the colour, and what a quarter of a pixel is.
-                const double most = 0.55 + 255 * 0.25 * perPixel / side;
+                // The picture's colours and the map's are rounded; and what a quarter of a pixel is.
+                const double most = 1.01 + 255 * 0.25 * perPixel / side;
+                off += glm::dvec2(pixelOf(*map, x, y)[0], pixelOf(*map, x, y)[1]) - place / side * 255.0;
                 ASSERT_NEAR(pixelOf(*map, x, y)[0], place.x / side * 255, most) << x << " " << y;
                 ASSERT_NEAR(pixelOf(*map, x, y)[1], place.y / side * 255, most) << x << " " << y;
             }
         }
         EXPECT_GT(seen, 20000);
+        // Rounding goes both ways: a tenth of a pixel would be seen.
+        EXPECT_NEAR(off.x / seen, 0, 255 * 0.1 * perPixel / side);
+        EXPECT_NEAR(off.y / seen, 0, 255 * 0.1 * perPixel / side);
     }
 }
 
@@ -124,8 +129,8 @@ TEST(MapPicture, WherePixelsAreNotSquareTheyAreMadeOfFinerOnes) {
     ASSERT_TRUE(map);
     for (int y = 0; y < 400; y += 7)
         for (int x = 0; x < 100; x += 3) {
-            ASSERT_NEAR(pixelOf(*map, x, y)[0], extent.placeAt({x + 0.5, y + 0.5}).x * 2.55, 0.6);
-            ASSERT_NEAR(pixelOf(*map, x, y)[1], extent.placeAt({x + 0.5, y + 0.5}).y * 2.55, 0.6);
+            ASSERT_NEAR(pixelOf(*map, x, y)[0], extent.placeAt({x + 0.5, y + 0.5}).x * 2.55, 1.01);
+            ASSERT_NEAR(pixelOf(*map, x, y)[1], extent.placeAt({x + 0.5, y + 0.5}).y * 2.55, 1.01);
         }
 }
 

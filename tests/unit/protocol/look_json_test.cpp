@@ -127,6 +127,26 @@ TEST(LookJson, WhatItCannotBeIsNamed) {
     }
 }
 
+// Looks stand in cloud files: what older programs do not know would make them refuse the file.
+TEST(LookJson, HasNoWordThatOlderProgramsDoNotKnowWhereItSaysNothing) {
+    std::vector<std::string> keys;
+    const json look = toJson(test::plainLook());
+    for (const auto& word : look["style"].items()) keys.push_back(word.key());
+    EXPECT_EQ(keys, (std::vector<std::string>{"background", "behindMirrors", "classes", "clip", "clips",
+                                              "color", "colormap", "exposure", "light", "method", "mirrors",
+                                              "outliers", "param", "range", "shading"}));
+    Look filtered = test::plainLook();
+    filtered.style.filter = {{"distance", 1.0, {}}};
+    filtered.style.color = ColorSource::Column;
+    filtered.style.column = "distance";
+    const auto again = applyLook(Look{}, toJson(filtered));
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(again->style, filtered.style);
+    const auto refused = applyLook(test::plainLook(), {{"style", {{"with", nullptr}}}});
+    ASSERT_FALSE(refused) << "other clouds are the view's";
+    EXPECT_EQ(refused.error().field, "style");
+}
+
 TEST(LookJson, WithoutViewOrOutlineNothingCanBeShown) {
     EXPECT_TRUE(validate(test::plainLook()));
     EXPECT_FALSE(validate(Look{}));

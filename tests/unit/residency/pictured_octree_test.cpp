@@ -25,6 +25,7 @@ class PicturedOctrees : public ::testing::Test {
     void SetUp() override {
         IngestOptions options;
         options.shape.leafPoints = 500;
+        options.shape.surfels = false;
         options.output = folder_ / "a.scan";
         std::vector<std::unique_ptr<PointSource>> sources;
         sources.push_back(std::make_unique<ColumnSource>(15'000, ground));
@@ -98,6 +99,7 @@ TEST_F(PicturedOctrees, OfCloudsInMemoryAreCopiesThatDoNotKeepThem) {
     ColumnSource source(15'000, ground);
     BuildOptions building;
     building.shape.leafPoints = 500;
+    building.shape.surfels = false;
     std::shared_ptr<const Cloud> cloud = buildCloud(source, building, {}).value();
     std::uint64_t expected = 0;
     for (std::uint64_t i = 0; i < 15'000; ++i) expected += intensityOf(i) >= 1000 && classOf(i) == 3;

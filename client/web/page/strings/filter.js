@@ -8,7 +8,7 @@ export const filter = {
   none: 'Show all points',
   state: (count, most) => (count === 0 ? '' : count < most ? `${count} of ${most} filters` : `${most} filters: these are the most`),
   waiting: 'What this scan keeps is known once it has been read.',
-  nothing: 'This scan keeps no values to filter by. Read it again with --keep-attributes all.',
+  nothing: 'This scan keeps no values to filter by. Read it again with --keep-attributes.',
   noHistogram: 'How its values are spread is not known here.',
   color: 'Colour',
   colorTip: (name) => `Colour by ${name}`,

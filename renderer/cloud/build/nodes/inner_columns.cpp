@@ -10,14 +10,17 @@
 #include <limits>
 
 #include "files/machine.hpp"
+#include "renderer/cloud/build/progress_meter.hpp"
 #include "renderer/cloud/columns/column_choice.hpp"
 #include "renderer/cloud/file/blocks/block_codec.hpp"
 
 namespace scancast {
 namespace {
 
-/// Nodes worked on at once, before what they give is written in order.
-constexpr std::size_t nodesAtOnce = 16;
+/// Nodes worked on at once, before what they give is written in order; and what a sample below one takes meanwhile: itself, its position twice,
+/// its place in a grid, a value.
+constexpr std::size_t mostNodesAtOnce = 16;
+constexpr std::uint64_t bytesPerSampleBelow = 16 + 2 * 24 + 3 * 4 + 2 * 8;
 
 /// Points in cells of a grid over them, for the nearest one to a place. Of equally near ones the first.
 class NearestGrid {
@@ -113,8 +116,15 @@ class NearestGrid {
 class InnerColumns {
   public:
     InnerColumns(BuiltOctree& octree, BlockSink& file, const CloudFacts& facts,
-                 std::vector<std::size_t> columns, std::size_t planes)
-        : octree_(octree), file_(file), facts_(facts), columns_(std::move(columns)), planes_(planes) {
+                 std::vector<std::size_t> columns, std::size_t planes, std::uint64_t memory,
+                 ProgressMeter& progress)
+        : octree_(octree),
+          file_(file),
+          facts_(facts),
+          columns_(std::move(columns)),
+          planes_(planes),
+          memory_(memory),
+          progress_(progress) {
         found_.resize(octree.nodes.size() * columns_.size());
     }
 
@@ -154,8 +164,9 @@ class InnerColumns {
         std::vector<std::size_t> inner;
         for (std::size_t i = first; i < end; ++i)
             if (!node(i).isLeaf()) inner.push_back(i);
-        for (std::size_t begin = 0; begin < inner.size(); begin += nodesAtOnce) {
-            std::vector<Expected<Blocks>> work(std::min(nodesAtOnce, inner.size() - begin));
+        for (std::size_t begin = 0, count = 0; begin < inner.size(); begin += count) {
+            count = fitting(std::span(inner).subspan(begin));
+            std::vector<Expected<Blocks>> work(count);
             tbb::parallel_for(std::size_t(0), work.size(),
                               [&](std::size_t i) { work[i] = blocksOf(inner[begin + i]); });
             for (std::size_t i = 0; i < work.size(); ++i) {
@@ -166,9 +177,22 @@ class InnerColumns {
                     found_[inner[begin + i] * columns_.size() + c] = *place;
                 }
             }
+            progress_.add(count);
             if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
         }
         return {};
+    }
+
+    /// How many of these can be worked on at once.
+    std::size_t fitting(std::span<const std::size_t> inner) const {
+        std::uint64_t bytes = 0;
+        for (std::size_t i = 0; i < inner.size() && i < mostNodesAtOnce; ++i) {
+            const Node& own = node(inner[i]);
+            for (std::size_t child = own.firstChild; child < own.firstChild + own.childCount; ++child)
+                bytes += node(child).sampleCount * bytesPerSampleBelow;
+            if (i > 0 && bytes > memory_) return i;
+        }
+        return std::min(inner.size(), mostNodesAtOnce);
     }
 
     Expected<std::vector<glm::dvec3>> positionsOf(std::size_t index) const {
@@ -227,22 +251,29 @@ class InnerColumns {
     const CloudFacts& facts_;
     const std::vector<std::size_t> columns_;  ///< among the facts'
     const std::size_t planes_;                ///< of each node, before these
-    std::vector<BlockPlace> found_;           ///< node by node
+    const std::uint64_t memory_;
+    ProgressMeter& progress_;
+    std::vector<BlockPlace> found_;  ///< node by node
 };
 
 }  // namespace
 
-Expected<void> addInnerColumns(CloudFacts& facts, BuiltOctree& octree, BlockSink& file, int threads,
+Expected<void> addInnerColumns(CloudFacts& facts, BuiltOctree& octree, BlockSink& file,
+                               const InnerColumnsRoom& room, const ProgressSink& sink,
                                const std::stop_token& stop) {
     std::vector<std::size_t> columns = choosableColumns(facts);
     if (columns.empty() || octree.nodes.size() < 2) return {};
     if (columns.size() > mostInnerColumns) columns.resize(mostInnerColumns);
     const std::size_t planes = planesOf(facts).size();
-    InnerColumns inner(octree, file, facts, columns, planes);
+    const auto isInner = [](const StoredNode& stored) { return !stored.node.isLeaf(); };
+    ProgressMeter progress(sink, "columns", std::uint64_t(std::ranges::count_if(octree.nodes, isInner)),
+                           "nodes");
+    InnerColumns inner(octree, file, facts, columns, planes, room.memory, progress);
     Expected<void> done;
-    tbb::task_arena arena(threads > 0 ? threads : machineCores());
+    tbb::task_arena arena(room.threads > 0 ? room.threads : machineCores());
     arena.execute([&] { done = inner.run(stop); });
     if (!done) return done;
+    progress.finish();
     octree.planes = inner.places();
     for (const std::size_t c : columns) facts.companions.push_back(innerPlane(facts.columns[c].column));
     return {};

@@ -9,8 +9,8 @@
 
 namespace scancast {
 
-/// All blocks are in the file. The report lacks scratchBytes and seconds. Errors: the file's; Cancelled.
+/// All blocks are in the file. The report lacks scratchBytes and seconds. Reports the stage "columns", where there are some. Errors: the file's; Cancelled.
 Expected<IngestReport> finishFile(BuiltCloud built, const IngestOptions& options, CloudFileWriter& file,
-                                  const std::stop_token& stop);
+                                  const ProgressSink& progress, const std::stop_token& stop);
 
 }  // namespace scancast

@@ -104,8 +104,11 @@ TEST_F(SceneTogether, IsTheSameCloudUntilOneOfThemIsAnother) {
     scene.view.camera.eye.x += 1;
     ASSERT_TRUE(scenes.lookAnew(scene));
     EXPECT_EQ(scene.cloud, before) << "a camera makes no other cloud";
+    EXPECT_TRUE(scenes.isCurrent(scene));
     catalog.replace("three", catalog.find("three")->cloud, tinyCloud(500));
+    EXPECT_FALSE(scenes.isCurrent(scene));
     ASSERT_TRUE(scenes.lookAnew(scene));
+    EXPECT_TRUE(scenes.isCurrent(scene));
     EXPECT_NE(scene.cloud, before);
     EXPECT_FALSE(scenes.loading(scene));
     catalog.add("later");

@@ -5,6 +5,7 @@
 
 #include "protocol/json_text.hpp"
 #include "protocol/view/view_json.hpp"
+#include "server/catalog/visible_clouds.hpp"
 #include "tests/support/serving/fake_painter.hpp"
 
 namespace scancast {
@@ -49,20 +50,31 @@ TEST(PictureRequest, BodiesAreJsonAndSaySo) {
         EXPECT_EQ(status(other), 415) << other;
 }
 
+/// A catalog of one cloud, and whoever sees it all.
+struct OneCloud {
+    Catalog catalog;
+    const std::string id = catalog.add("tiny");
+    const VisibleClouds clouds{catalog};
+
+    OneCloud() { catalog.setReady(id, test::tinyCloud()); }
+};
+
 TEST(PictureRequest, QueryAndJsonMeanTheSame) {
-    const auto cloud = test::tinyCloud();
-    const auto byWords = viewOfQuery(*cloud, "width=300&height=200&eye=1,2,3&method=cone", maxPixels);
+    const OneCloud one;
+    const auto byWords =
+        viewOfQuery(one.clouds, one.id, "width=300&height=200&eye=1,2,3&method=cone", maxPixels);
     const auto byJson = viewOfJson(
-        *cloud, parseJson(R"({"width":300,"height":200,"camera":{"eye":[1,2,3]},"method":"cone"})").value(),
+        one.clouds, one.id,
+        parseJson(R"({"width":300,"height":200,"camera":{"eye":[1,2,3]},"method":"cone"})").value(),
         maxPixels);
     ASSERT_TRUE(byWords && byJson);
-    EXPECT_EQ(toJson((*byWords)->view), toJson((*byJson)->view));
-    EXPECT_EQ(toJson((*viewOfQuery(*cloud, "", maxPixels))->view),
-              toJson((*viewOfJson(*cloud, nlohmann::json::object(), maxPixels))->view));
+    EXPECT_EQ(toJson(byWords->planned->view), toJson(byJson->planned->view));
+    EXPECT_EQ(toJson(viewOfQuery(one.clouds, one.id, "", maxPixels)->planned->view),
+              toJson(viewOfJson(one.clouds, one.id, nlohmann::json::object(), maxPixels)->planned->view));
 }
 
 TEST(PictureRequest, WrongViewsAreRefusedByName) {
-    const auto cloud = test::tinyCloud();
+    const OneCloud one;
     const std::tuple<const char*, ErrorCode, const char*> wrong[] = {
         {R"({"fvo":3})", ErrorCode::InvalidArgument, "fvo"},
         {R"({"camera":{"fvo":3}})", ErrorCode::InvalidArgument, "camera.fvo"},
@@ -73,7 +85,7 @@ TEST(PictureRequest, WrongViewsAreRefusedByName) {
         {R"([])", ErrorCode::InvalidArgument, ""},
     };
     for (const auto& [json, code, field] : wrong) {
-        const auto view = viewOfJson(*cloud, parseJson(json).value(), maxPixels);
+        const auto view = viewOfJson(one.clouds, one.id, parseJson(json).value(), maxPixels);
         ASSERT_FALSE(view) << json;
         EXPECT_EQ(view.error().code, code) << json;
         if (*field != '\0') {

@@ -120,7 +120,7 @@ std::size_t sizeOf(const Asset& file) {
 
 // The first load is what everybody waits for before he sees anything; the rest comes with the tool that is used.
 TEST(PageFiles, AreSmall) {
-    constexpr std::size_t mostAtFirst = 149'000, most = 266'000;
+    constexpr std::size_t mostAtFirst = 149'000, most = 268'000;
     std::size_t all = 0, gzip = 0, first = sizeOf(*findAsset("/")->file);
     for (const Asset& file : pageFiles().files) {
         gzip += file.gzip.empty() ? file.bytes.size() : file.gzip.size();

@@ -117,7 +117,7 @@ tl::expected<Scene, Problem> SceneResolver::changed(const Scene& now,
     if (!view) return tl::unexpected(problemOf(view.error()));
     scene.view = std::move(*view);
     scene.seq = change.seq;
-    const auto isByCloud = [](const View& view) { return view.style.color == ColorSource::Cloud; };
+    const auto isByCloud = [](const View& of) { return of.style.color == ColorSource::Cloud; };
     const bool isSame = scene.cloudId == now.cloudId && scene.view.with == now.view.with &&
                         isByCloud(scene.view) == isByCloud(now.view) && isCurrent(scene);
     const bool several = !isSame && (!scene.view.with.empty() || scene.cloud->together);

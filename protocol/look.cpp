@@ -54,6 +54,10 @@ void readStyle(FieldReader& fields, Style& style) {
         if (!isOfStyle(key)) return fields.error("style", "'" + key + "' is no word of a style");
     View base;
     base.style = style;
+    // Who says everything else, as styleJson() does, says by silence that there is no filter.
+    const json all = styleJson(Style{});
+    const auto isSaid = [&](const auto& word) { return value->contains(word.key()); };
+    if (std::ranges::all_of(all.items(), isSaid)) base.style.filter.clear();
     const auto view = applyJson(base, *value);
     if (!view) return fields.error({view.error().code, view.error().message, fields.path("style")});
     style = view->style;

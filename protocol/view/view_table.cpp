@@ -334,7 +334,7 @@ const std::vector<ViewWord>& table() {
          "Show up to 64 other clouds of the same coordinate system together with this one, each moved, tinted or "
          "hidden; . is the cloud itself, auto shows it alone. A tint multiplies a cloud's own colours, and is the "
          "colour of one that has none.",
-         ".,tint:ff8800;town-2024,shift:0:0:0.12;town-2019,hidden",
+         ".,shift:0:0:0.12,tint:ff8800",
          value(
              [](auto& v) -> auto& { return v.with; }, checks::viewedClouds)},
         {"detail", "detail", "PIXELS|auto",

@@ -269,7 +269,7 @@ const std::vector<ViewWord>& table() {
          "Draw only points whose values of a kept column, of intensity or of classification lie in the range, "
          "its ends included; LOW or HIGH may be left out, and up to four ranges all have to hold; auto draws "
          "everything. In a NAME, ; is written %3B and % is written %25.",
-         "return_number:1..1;gps_time:3600..",
+         "classification:2..6;intensity:1000..",
          value(
              [](auto& v) -> auto& { return v.style.filter; }, checks::columnRanges)},
         {"clip", "clip", "X0,Y0,Z0,X1,Y1,Z1|auto",

@@ -23,13 +23,14 @@ void DistanceSummary::tell(KeptColumn& column) const {
     column.histogram = sketch_.histogram(histogramParts(range_, *column.usual, 0));
 }
 
-Column distanceColumn(const DistanceOptions& options, const std::string& before, const std::string& unit) {
+Column distanceColumn(const DistanceOptions& options, const CloudFacts& before, const std::string& unit) {
     Column column{.name = options.name, .type = ColumnType::Float32, .description = {}};
-    column.description = fmt::format(
-        "distance to the nearest point of {}{}", before,
-        options.shift == glm::dvec3(0)
-            ? std::string()
-            : fmt::format(", shifted by {}, {}, {}", options.shift.x, options.shift.y, options.shift.z));
+    column.description = "distance to the nearest point of " + before.title;
+    // Epochs of a place are often called the same.
+    if (!before.recorded.empty()) column.description += " of " + before.recorded;
+    if (options.shift != glm::dvec3(0))
+        column.description +=
+            fmt::format(", shifted by {}, {}, {}", options.shift.x, options.shift.y, options.shift.z);
     if (!unit.empty()) column.description += ", " + unit;
     column.description += fmt::format("; {} is that or more", options.most);
     return column;

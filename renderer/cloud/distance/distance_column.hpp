@@ -30,6 +30,6 @@ class DistanceSummary {
 };
 
 /// Name, type and description, which says to what, in which unit and up to where it was measured.
-Column distanceColumn(const DistanceOptions& options, const std::string& before, const std::string& unit);
+Column distanceColumn(const DistanceOptions& options, const CloudFacts& before, const std::string& unit);
 
 }  // namespace scancast

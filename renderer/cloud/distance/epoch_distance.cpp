@@ -78,7 +78,7 @@ Expected<DistanceReport> measure(const DistanceOptions& options, const ProgressS
     if (!writer) return passOn(writer);
 
     const EarlierPoints earlier(pair->before, options.shift, shares->trees);
-    const Column column = distanceColumn(options, pair->before->facts().title, pair->unit);
+    const Column column = distanceColumn(options, pair->before->facts(), pair->unit);
     MeasuredCopy copy(after, earlier,
                       {.column = column, .most = options.most, .chunkPoints = shares->chunkPoints}, **writer);
     tbb::task_arena arena(shares->threads);

@@ -8,6 +8,7 @@
 
 #include "files/input_file.hpp"
 #include "renderer/cloud/exact_columns.hpp"
+#include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/import/crs_meaning.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/cloud/import/crs_units.hpp"
@@ -53,6 +54,18 @@ Expected<void> checkUnits(const std::string& name, const CrsUnits& units) {
             fmt::format("{} has x and y in {} and heights in {}; bring both epochs into one unit first", name,
                         units.unit, units.verticalUnit));
     return {};
+}
+
+/// Whatever their systems are: between numbers in two units there are no distances. What one side does not say is no difference.
+Expected<void> compareUnits(const DistanceOptions& options, const CrsUnits& after, const CrsUnits& before) {
+    const auto differ = [](double a, double b) { return a > 0 && b > 0 && std::abs(a / b - 1) > 1e-9; };
+    const bool heights = differ(after.verticalMetres, before.verticalMetres);
+    if (!heights && !differ(after.metres, before.metres)) return {};
+    return fail(ErrorCode::Unsupported,
+                fmt::format("{} has {} in {}, {} in {}; bring both epochs into one unit first",
+                            options.after.string(), heights ? "heights" : "x and y",
+                            heights ? after.verticalUnit : after.unit, options.before.string(),
+                            heights ? before.verticalUnit : before.unit));
 }
 
 Expected<void> compareCrs(const DistanceOptions& options, EpochPair& pair) {
@@ -110,12 +123,14 @@ Expected<EpochPair> openEpochs(const DistanceOptions& options) {
     opened = CloudFile::open(std::move(*before));
     if (!opened) return passOn(opened);
     pair.before = std::move(*opened);
+    std::vector<CrsUnits> both;
     for (const auto& file : {pair.after, pair.before}) {
-        const CrsUnits units = crsUnits(file->facts().crsWkt, file->facts().crsEpsg);
-        if (auto ok = checkUnits(file->path().string(), units); !ok) return passOn(ok);
-        if (pair.unit.empty()) pair.unit = units.unit;
+        both.push_back(crsUnits(file->facts().crsWkt, file->facts().crsEpsg));
+        if (auto ok = checkUnits(file->path().string(), both.back()); !ok) return passOn(ok);
+        if (pair.unit.empty()) pair.unit = both.back().unit;
     }
     if (auto ok = compareCrs(options, pair); !ok) return passOn(ok);
+    if (auto ok = compareUnits(options, both[0], both[1]); !ok) return passOn(ok);
     return pair;
 }
 
@@ -140,6 +155,13 @@ Expected<void> checkColumnName(const std::string& name, const CloudFacts& facts)
     if (isThere)
         return refuse(
             fmt::format("The cloud has a column {} already; give another --name, such as {}_2", name, name));
+    // As the writer asks in the end, so that no work is done for a file that nobody could open.
+    CloudFacts with = facts;
+    with.photos.clear();
+    with.columns.push_back({.column = {.name = name, .type = ColumnType::Float32, .description = {}}});
+    with.companions.push_back(innerPlane(with.columns.back().column));
+    if (const auto json = printFacts(with, programName()); !json)
+        return refuse("The cloud cannot have another column: " + json.error().message);
     return {};
 }
 

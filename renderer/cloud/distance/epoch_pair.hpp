@@ -11,6 +11,7 @@
 namespace scancast {
 
 struct EpochPair {
+    /// Each has a node, and each node a sample: open() sees to that.
     std::shared_ptr<const CloudFile> after, before;
     std::string unit;                  ///< of distances: "metre"; empty = not known
     std::vector<std::string> remarks;  ///< as DistanceReport's

@@ -145,14 +145,19 @@ class Distance(unittest.TestCase):
         self.assertIn("metre", run(self.folder, "info", "one.scan").stdout)
 
     def test_interrupted_it_leaves_nothing(self):
+        run(self.folder, "generate", "town", "--points", "500k", "-q", "-o", "large.las")
+        run(self.folder, "ingest", "large.las", "-o", "large.scan", "--no-surfels", "-q")
         before = sorted(self.folder.iterdir())
-        process = subprocess.Popen([SCANCAST, "distance", "after.scan", "before.scan", "-o", "stopped.scan", "--max", "1000"],
+        process = subprocess.Popen([SCANCAST, "distance", "large.scan", "before.scan", "-o", "stopped.scan", "--threads", "1"],
                                    cwd=self.folder, stderr=subprocess.PIPE, text=True)
-        time.sleep(0.01)
+        # It has begun to write, so it listens to signals; what it measures takes it much longer than a look.
+        end = time.monotonic() + 60
+        while not (self.folder / "stopped.scan.partial").exists() and time.monotonic() < end:
+            time.sleep(0.001)
         process.send_signal(signal.SIGINT)
         _, error = process.communicate(timeout=60)
-        if process.returncode == 0:  # it was done before the signal came
-            (self.folder / "stopped.scan").unlink()
+        self.assertEqual(process.returncode, 1, error)
+        self.assertIn("Interrupted; no cloud file was left behind.", error)
         self.assertEqual(sorted(self.folder.iterdir()), before, error)
 
 

@@ -1,4 +1,5 @@
 // Distances between epochs, as trying all pairs of points gives them; and that nothing else of the cloud changes.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/distance/epoch_distance.hpp"
+#include "renderer/cloud/distance/epoch_pair.hpp"
 #include "renderer/cloud/distance/measured_copy.hpp"
 #include "renderer/cloud/export/cloud_points.hpp"
 #include "renderer/cloud/file/change_facts.hpp"
@@ -309,7 +311,7 @@ TEST_F(EpochDistance, TheFileIsTheSameForAnyNumberOfThreadsAndAnyRoom) {
         auto writer = CloudFileWriter::create(file("small.scan"));
         ASSERT_TRUE(writer);
         const EarlierPoints earlier(before, glm::dvec3(0), 0);
-        const Column column = distanceColumn({}, before->facts().title, "");
+        const Column column = distanceColumn({}, before->facts(), "");
         MeasuredCopy copy(*after, earlier, {.column = column, .most = 5, .chunkPoints = chunk}, **writer);
         const auto facts = copy.write({}, {});
         ASSERT_TRUE(facts) << facts.error().message;
@@ -440,6 +442,29 @@ TEST_F(EpochDistance, WhatCannotBeMeantIsRefused) {
     EXPECT_EQ(refused(asked).field, "output");
     make("before.scan", {.points = 100, .epsg = 4326});
     EXPECT_EQ(refused(options()).code, ErrorCode::Unsupported) << refused(options()).message;
+    // Of two local systems nobody knows whether they are one; their units are known to differ.
+    const auto local = [](const char* unit) {
+        return [unit](CloudFacts& facts) -> Expected<void> {
+            facts.crsWkt = std::string("LOCAL_CS[\"site\",UNIT[") + unit + "]]";
+            facts.crsEpsg = {};
+            return {};
+        };
+    };
+    make("before.scan", {.points = 100});
+    make("after.scan", {.points = 100});
+    ASSERT_TRUE(changeFacts(file("before.scan"), local("\"metre\",1")));
+    ASSERT_TRUE(changeFacts(file("after.scan"), local("\"US survey foot\",0.30480060960121924")));
+    EXPECT_NE(refused(options()).message.find("foot"), std::string::npos) << refused(options()).message;
+    // More than a cloud file has room for is refused before any work.
+    CloudFacts full = open("after.scan")->facts();
+    while (full.companions.size() < 64)
+        full.companions.push_back(
+            {fmt::format("value_{}", full.companions.size()), ColumnType::Uint8, ValuePlane::Of::Samples});
+    EXPECT_FALSE(checkColumnName("distance", full));
+    full.companions.pop_back();
+    EXPECT_TRUE(checkColumnName("distance", full));
+    make("after.scan", {.points = 100, .epsg = 25832});
+    make("before.scan", {.points = 100});
     // One side that says nothing is taken for the other, and that is told.
     make("before.scan", {.points = 100});
     EXPECT_EQ(measured().remarks.size(), 1u);

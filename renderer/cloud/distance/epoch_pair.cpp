@@ -129,8 +129,8 @@ Expected<EpochPair> openEpochs(const DistanceOptions& options) {
         if (auto ok = checkUnits(file->path().string(), both.back()); !ok) return passOn(ok);
         if (pair.unit.empty()) pair.unit = both.back().unit;
     }
-    if (auto ok = compareCrs(options, pair); !ok) return passOn(ok);
     if (auto ok = compareUnits(options, both[0], both[1]); !ok) return passOn(ok);
+    if (auto ok = compareCrs(options, pair); !ok) return passOn(ok);
     return pair;
 }
 

@@ -34,14 +34,14 @@ render "$work/town.las" square --eye=-1,-15,2.2 --target=0,-8.6,2.4 --fov 60
 render "$work/town.las" intensity --color intensity --colormap viridis --shading eyedome
 
 # docs/columns.md: what was built since, as a column, and all of it that is more than a metre away from what stood there.
-"$bin/scancast" generate town --points 3M -o "$work/after.las"
+"$bin/scancast" generate town --points 1M -o "$work/after.las"
 "$bin/scancast" ingest "$work/after.las" -o "$work/after.scan" --exact --quiet
 "$bin/scancast" export "$work/after.scan" -o "$work/before.las" --clips='-box:389500,5819836,60,60,24,60,20'
 "$bin/scancast" ingest "$work/before.las" -o "$work/before.scan" --exact --quiet
 "$bin/scancast" distance "$work/after.scan" "$work/before.scan" -o "$work/changes.scan" --max 6
 for filter in auto distance:1..; do
-    "$bin/scancast" render "$work/changes.scan" -o "$work/columns-${filter%%:*}.png" --width 480 --height 360 --color column:distance --colormap turbo --range 0,6 \
-        --filter "$filter"
+    "$bin/scancast" render "$work/changes.scan" -o "$work/columns-${filter%%:*}.png" --width 640 --height 400 --eye=389478,5819755,72 --target=389505,5819850,44 --fov 40 \
+        --color column:distance --colormap turbo --range 0,6 --shading phong --light occlusion=0.6 --filter "$filter"
 done
 ffmpeg -v error -y -i "$work/columns-auto.png" -i "$work/columns-distance.png" -filter_complex hstack -q:v 4 "$root/docs/images/columns.jpg"
 

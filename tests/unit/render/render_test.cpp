@@ -121,9 +121,9 @@ TEST(Render, InfraredIsDrawnOfCloudsThatHaveIt) {
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().code, ErrorCode::Unsupported);
     EXPECT_EQ(none.error().field, "color");
-    EXPECT_EQ(
-        none.error().message,
-        "this cloud has no near infrared to colour by; it has intensity, elevation, depth, lod and #rrggbb");
+    EXPECT_EQ(none.error().message,
+              "this cloud has no near infrared to colour by; it has intensity, elevation, depth, lod, cloud "
+              "and #rrggbb");
     cloud.companions = {nearInfraredPlane()};
     view.style.exposure = 1;
     NotingDevice device;

@@ -60,7 +60,8 @@ TEST(Describe, ACloudThatIsBeingReadCanBeLookedAtAndSaysHowFarItIs) {
     EXPECT_EQ(one["columns"][0], (nlohmann::json{{"name", "gps_time"},
                                                  {"type", "float64"},
                                                  {"range", {10.0, 20.0}},
-                                                 {"description", "GPS time"}}));
+                                                 {"description", "GPS time"},
+                                                 {"drawn", true}}));
     EXPECT_EQ(one["classNames"], (nlohmann::json{{"2", "ground"}}));
     EXPECT_EQ(one["classCounts"], (nlohmann::json{{"2", 3}}));
     EXPECT_EQ(one["classColors"], (nlohmann::json{{"2", "#a1794e"}}));
@@ -97,8 +98,8 @@ TEST(Describe, EveryMethodWithEveryParameter) {
     }
     EXPECT_EQ(json["colors"],
               nlohmann::json({"auto", "rgb*intensity", "elevation*intensity", "classification*intensity",
-                              "rgb", "cir", "intensity", "elevation", "classification", "normal", "curvature",
-                              "depth", "lod", "visibility"}));
+                              "cloud*intensity", "rgb", "cir", "intensity", "elevation", "classification",
+                              "normal", "curvature", "depth", "lod", "visibility", "cloud"}));
     EXPECT_FALSE(json["colormaps"].empty());
     for (const auto& map : json["colormaps"]) EXPECT_EQ(json["ramps"][map.get<std::string>()].size(), 18U);
     EXPECT_EQ(json["ramps"]["grey"].front(), "#000000");

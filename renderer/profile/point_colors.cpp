@@ -13,10 +13,11 @@ namespace {
 
 constexpr double last = 255;
 
+/// Column: points of picturedLeaves() have where between its ends their values lie for intensities.
 bool isOfPoints(ColorSource source) {
     using enum ColorSource;
-    return source == Rgb || source == Intensity || source == Elevation || source == Classification ||
-           source == Normal || source == Flat;
+    return source == Column || source == Rgb || source == Intensity || source == Elevation ||
+           source == Classification || source == Normal || source == Flat;
 }
 
 std::size_t indexOf(double value, double low, double high) {
@@ -29,10 +30,11 @@ std::size_t indexOf(double value, double low, double high) {
 Expected<PointColors> PointColors::create(const Cloud& cloud, const Style& style) {
     const Style decided = decidedStyle(cloud, style);
     if (!isOfPoints(decided.color))
-        return fail(ErrorCode::Unsupported,
-                    "color: a profile cannot be coloured by " + std::string(name(decided.color)) +
-                        "; it can by rgb, intensity, elevation, classification, normal and #rrggbb",
-                    "picture.color");
+        return fail(
+            ErrorCode::Unsupported,
+            "color: a profile cannot be coloured by " + std::string(name(decided.color)) +
+                "; it can by rgb, intensity, elevation, classification, normal, a kept column and #rrggbb",
+            "picture.color");
     const auto viewpoint = Viewpoint::create(defaultView(cloud), cloud.origin, cloud.bounds);
     if (!viewpoint) return passOn(viewpoint);
     auto rule = colorRule(cloud, decided, *viewpoint);

@@ -218,7 +218,8 @@ tl::expected<std::shared_ptr<RasterAnswers::Work>, HttpResponse> RasterAnswers::
     if (!place) return refuse(std::move(place.error()));
     auto working = memory_.hold(MemoryUse::Answers);
     const std::uint64_t needed = workingBytesOf(*planned), others = memory_.bytes(MemoryUse::Answers);
-    if (others > 0 && others + needed > memory_.forAnswers())
+    // A last part that is on its way keeps nobody out.
+    if (others > mostRasterPart && others + needed > memory_.forAnswers())
         return refuse(problemOf(
             503,
             "There is no memory for another raster: other answers have not been read yet. Ask again later."));
@@ -294,6 +295,11 @@ void RasterAnswers::deliver(const std::shared_ptr<Work>& work) const {
         made->bytes = std::move(*bytes);
         made->hold = memory_.hold(MemoryUse::Answers, made->bytes.capacity());
         made->last = work->tiff->isDone();
+        // Before its reader has the last byte: he may ask for another at once.
+        if (made->last) {
+            work->tiff.reset();
+            work->working.resize(0);
+        }
         return made;
     });
     std::exchange(work->given, {})(std::move(part));

@@ -124,6 +124,18 @@ const std::map<std::string, Keyword>& keywords() {
          [](const Check& c, const json& n) {
              if (c.value.is_array() && c.value.size() > n.get<std::size_t>()) c.wrong("has too many items");
          }},
+        {"minLength",
+         [](const Check& c, const json& least) {
+             if (c.value.is_string() &&
+                 c.value.get_ref<const std::string&>().size() < least.get<std::size_t>())
+                 c.wrong("is shorter than " + least.dump());
+         }},
+        {"maxLength",
+         [](const Check& c, const json& most) {
+             if (c.value.is_string() &&
+                 c.value.get_ref<const std::string&>().size() > most.get<std::size_t>())
+                 c.wrong("is longer than " + most.dump());
+         }},
         {"pattern",
          [](const Check& c, const json& pattern) {
              if (c.value.is_string() &&

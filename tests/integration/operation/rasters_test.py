@@ -131,10 +131,12 @@ class Rasters(unittest.TestCase):
 
     def test_an_orthophoto_is_the_snapshot_of_its_view(self):
         left, bottom, right, top = 389420, 5819720, 389580, 5819820
+        low, high = self.xyz[:, 2].min(), self.xyz[:, 2].max()
+        above = high + max(1, high - low)  # where eye-dome lighting, which goes by depth, looks from (renderer/raster/ortho_view.cpp)
         for style in ("color=rgb&method=point&samples=1", "color=elevation&method=disc&shading=eyedome", "color=classification&method=hqs&light.occlusion=0.5"):
             self.got("ortho.tif", f"ortho.tif?bbox={left},{bottom},{right},{top}&cell=0.25&{style}")
-            self.got("same.png", f"snapshot.png?projection=orthographic&eye={(left + right) / 2},{(bottom + top) / 2},500&target={(left + right) / 2},"
-                                 f"{(bottom + top) / 2},0&up=0,1,0&viewHeight={top - bottom}&width=640&height=400&background=transparent&{style}")
+            self.got("same.png", f"snapshot.png?projection=orthographic&eye={(left + right) / 2},{(bottom + top) / 2},{above}&target={(left + right) / 2},"
+                                 f"{(bottom + top) / 2},{low}&up=0,1,0&viewHeight={top - bottom}&width=640&height=400&background=transparent&{style}")
             ortho, same = gdal.Open(self.path("ortho.tif")), gdal.Open(self.path("same.png"))
             self.assertEqual(ortho.GetGeoTransform(), (left, 0.25, 0, top, 0, -0.25))
             pixels, expected = ortho.ReadAsArray(), same.ReadAsArray()

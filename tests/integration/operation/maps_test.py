@@ -99,6 +99,7 @@ class Maps(unittest.TestCase):
     def setUpClass(cls):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
+        gdal.SetConfigOption("GDAL_DEFAULT_WMS_CACHE_PATH", os.path.join(folder.name, "gdalwmscache"))
         cls.folder = folder.name
         with open(cls.path("plain.xyz"), "w") as file:
             file.write(plain())

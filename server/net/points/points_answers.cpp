@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include "renderer/residency/file_of.hpp"
 #include "server/base/faults.hpp"
 #include "server/net/api/negotiate.hpp"
+#include "server/net/points/low_arena.hpp"
 #include "server/net/points/points_job.hpp"
 
 namespace scancast {
@@ -62,15 +62,6 @@ HttpResponse secret(HttpResponse response) {
 }
 
 }  // namespace
-
-struct PointsAnswers::Arena {
-    tbb::task_arena cores{tbb::task_arena::automatic, 1, tbb::task_arena::priority::low};
-
-    template <class Work>
-    auto run(Work work) {
-        return contained("Giving points away", [&] { return cores.execute(work); });
-    }
-};
 
 /// What an answer of either kind needs.
 struct PointsAnswers::Asked {
@@ -123,7 +114,7 @@ PointsAnswers::PointsAnswers(TransientMemory memory, const PointsOptions& option
     : memory_(std::move(memory)),
       options_(options),
       places_(options.places),
-      arena_(std::make_unique<Arena>()),
+      arena_(std::make_unique<LowArena>()),
       worker_(options.places.all + 1) {
     worker_.post(
         [](const std::stop_token&) { std::ignore = setpriority(PRIO_PROCESS, id_t(gettid()), politeness); });
@@ -254,7 +245,7 @@ void PointsAnswers::profile(const HttpRequest& request, const Routed& routed, co
 void PointsAnswers::begin(std::shared_ptr<Export> work) const {
     const bool posted = post([this, work](const std::stop_token&) {
         if (work->asked.isOver()) return;
-        if (auto done = arena_->run([&] { return work->job.step(); }); !done)
+        if (auto done = arena_->run("Giving points away", [&] { return work->job.step(); }); !done)
             return work->asked.refuse(done.error());
         if (!work->job.hasBegun()) return begin(work);
         HttpResponse response = std::move(work->head);
@@ -276,7 +267,8 @@ void PointsAnswers::produce(std::shared_ptr<Export> work, BodySource::Given give
         if (work->asked.isOver()) return;
         PointsJob& job = work->job;
         if (job.waiting() < leastPart && !job.isDone())
-            if (auto done = arena_->run([&] { return job.step(); }); !done) return given(passOn(done));
+            if (auto done = arena_->run("Giving points away", [&] { return job.step(); }); !done)
+                return given(passOn(done));
         if (job.waiting() < leastPart && !job.isDone()) return produce(work, given);
         auto part = contained("Giving points away", [&]() -> Expected<std::shared_ptr<const BodyPart>> {
             auto made = std::make_shared<BodyPart>();
@@ -296,7 +288,7 @@ void PointsAnswers::draw(std::shared_ptr<Drawing> work) const {
     const bool posted = post([this, work](const std::stop_token&) {
         if (work->asked.isOver()) return;
         ProfileDrawing& drawing = *work->drawing;
-        const auto more = arena_->run([&] { return drawing.step(); });
+        const auto more = arena_->run("Giving points away", [&] { return drawing.step(); });
         if (!more) return work->asked.refuse(more.error());
         if (*more) return draw(work);
         auto answer = contained("Drawing a profile", [&]() -> Expected<HttpResponse> {

@@ -25,6 +25,8 @@ struct PointsOptions {
     std::uint64_t mostPixels = 16'000'000;  ///< of a profile's picture
 };
 
+struct LowArena;
+
 class PointsAnswers {
   public:
     PointsAnswers(TransientMemory memory, const PointsOptions& options);
@@ -46,7 +48,6 @@ class PointsAnswers {
     struct Asked;
     struct Export;
     struct Drawing;
-    struct Arena;
     class Body;
 
     tl::expected<Asked, Problem> admit(const HttpRequest& request, const Routed& routed,
@@ -59,7 +60,7 @@ class PointsAnswers {
     const TransientMemory memory_;
     const PointsOptions options_;
     const WorkPlaces places_;
-    const std::unique_ptr<Arena> arena_;
+    const std::unique_ptr<LowArena> arena_;
     mutable Worker worker_;  // last: ends before the rest
 };
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +18,7 @@
 #include "renderer/raster/raster_plan.hpp"
 #include "server/base/faults.hpp"
 #include "server/net/api/negotiate.hpp"
+#include "server/net/points/low_arena.hpp"
 
 namespace scancast {
 namespace {
@@ -63,15 +63,6 @@ Problem problemOfRaster(const Error& error, const std::string& path) {
 }
 
 }  // namespace
-
-struct RasterAnswers::Arena {
-    tbb::task_arena cores{tbb::task_arena::automatic, 1, tbb::task_arena::priority::low};
-
-    template <class Make>
-    auto run(Make make) {
-        return contained("Making a raster", [&] { return cores.execute(make); });
-    }
-};
 
 /// An answer in the making: touched by the worker alone, once it has been admitted.
 struct RasterAnswers::Work {
@@ -126,7 +117,7 @@ RasterAnswers::RasterAnswers(const Admission& admission, TransientMemory memory,
       options_(options),
       version_(std::move(version)),
       places_(options.places),
-      arena_(std::make_unique<Arena>()),
+      arena_(std::make_unique<LowArena>()),
       worker_(2 * options.places.all + 2) {
     worker_.post([](const std::stop_token&) {
         std::ignore = setpriority(PRIO_PROCESS, id_t(gettid()), rasterPoliteness);
@@ -306,7 +297,7 @@ void RasterAnswers::deliver(const std::shared_ptr<Work>& work) const {
 }
 
 void RasterAnswers::makeElevations(const std::shared_ptr<Work>& work) const {
-    const auto made = arena_->run([&]() -> Expected<void> {
+    const auto made = arena_->run("Making a raster", [&]() -> Expected<void> {
         const auto cells = elevationCells(*work->cloud, work->raster, *work->tiff->nextBlock(), work->gone);
         if (!cells) return passOn(cells);
         return work->tiff->put(*cells);

@@ -30,6 +30,8 @@ struct RasterOptions {
     std::uint64_t mostScratch = std::uint64_t(8) << 30;  ///< bytes of all that wait packed
 };
 
+struct LowArena;
+
 class RasterAnswers {
   public:
     /// Admission and scheduler outlive this.
@@ -48,7 +50,6 @@ class RasterAnswers {
 
   private:
     struct Work;
-    struct Arena;
     class Body;
 
     tl::expected<std::shared_ptr<Work>, HttpResponse> admit(const HttpRequest& request, const Routed& routed,
@@ -69,7 +70,7 @@ class RasterAnswers {
     const RasterOptions options_;
     const std::string version_;
     const WorkPlaces places_;
-    const std::unique_ptr<Arena> arena_;
+    const std::unique_ptr<LowArena> arena_;
     mutable Worker worker_;  // last: ends before the rest
 };
 

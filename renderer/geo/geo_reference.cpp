@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string_view>
 #include <utility>
 
@@ -56,6 +57,46 @@ Object horizontal(PJ_CONTEXT* context, Object crs) {
     return crs;
 }
 
+std::optional<CrsParts::Base> baseOf(PJ_CONTEXT* context, const PJ* crs) {
+    const Object geodetic(proj_crs_get_geodetic_crs(context, crs));
+    if (!geodetic) return std::nullopt;
+    const Object ellipsoid(proj_get_ellipsoid(context, geodetic.get()));
+    CrsParts::Base base;
+    if (!ellipsoid || proj_ellipsoid_get_parameters(context, ellipsoid.get(), &base.semiMajor, nullptr,
+                                                    nullptr, &base.inverseFlattening) == 0)
+        return std::nullopt;
+    if (const Object meridian(proj_get_prime_meridian(context, geodetic.get())); meridian) {
+        double longitude = 0, radians = 0;
+        if (proj_prime_meridian_get_parameters(context, meridian.get(), &longitude, &radians, nullptr) != 0)
+            base.primeMeridian = longitude * radians * 180 / std::numbers::pi;
+    }
+    if (const char* name = proj_get_name(geodetic.get())) base.name = name;
+    base.epsg = epsgOf(geodetic.get());
+    if (!base.epsg)
+        if (const Object same = identified(context, geodetic.get())) base.epsg = epsgOf(same.get());
+    return base;
+}
+
+/// Of the map projection: its method, and what is put into it.
+void readProjection(PJ_CONTEXT* context, const PJ* crs, CrsParts& parts) {
+    const Object operation(proj_crs_get_coordoperation(context, crs));
+    const char* code = nullptr;
+    if (!operation ||
+        proj_coordoperation_get_method_info(context, operation.get(), nullptr, nullptr, &code) == 0)
+        return;
+    parts.method = code != nullptr ? std::atoi(code) : 0;
+    for (int i = 0; i < proj_coordoperation_get_param_count(context, operation.get()); ++i) {
+        const char *number = nullptr, *kind = nullptr;
+        double value = 0, factor = 1;
+        if (proj_coordoperation_get_param(context, operation.get(), i, nullptr, nullptr, &number, &value,
+                                          nullptr, &factor, nullptr, nullptr, nullptr, &kind) == 0 ||
+            number == nullptr)
+            continue;
+        const bool isAngle = kind != nullptr && std::string_view(kind) == "angular";
+        parts.parameters[std::atoi(number)] = value * factor * (isAngle ? 180 / std::numbers::pi : 1);
+    }
+}
+
 void readAxes(PJ_CONTEXT* context, const PJ* crs, FileCrs& file) {
     const Object axes(proj_crs_get_coordinate_system(context, crs));
     if (!axes) return;
@@ -103,6 +144,18 @@ void GeoReference::fromFile(WorldCrs world, std::span<glm::dvec2> places) const 
 }
 void GeoReference::toFile(WorldCrs world, std::span<glm::dvec2> places) const {
     proj_->run(world, PJ_INV, places);
+}
+
+std::optional<CrsParts> GeoReference::parts() const {
+    PJ_CONTEXT* const context = proj_->context.get();
+    const PJ* crs = proj_->crs.get();
+    const Object base(proj_get_type(crs) == PJ_TYPE_BOUND_CRS ? proj_get_source_crs(context, crs) : nullptr);
+    if (base) crs = base.get();
+    const auto geodetic = baseOf(context, crs);
+    if (!geodetic) return std::nullopt;
+    CrsParts parts{.base = *geodetic};
+    if (proj_get_type(crs) == PJ_TYPE_PROJECTED_CRS) readProjection(context, crs, parts);
+    return parts;
 }
 
 Expected<GeoReference> GeoReference::create(const CloudFacts& cloud) {

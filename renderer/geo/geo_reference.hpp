@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <glm/vec2.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -32,6 +33,20 @@ struct FileCrs {
     double metresPerUnit = 1;  ///< of degrees: on the equator
 };
 
+/// What a system is made of, for files that must write it down since it has no number.
+struct CrsParts {
+    struct Base {  ///< its longitudes and latitudes
+        std::optional<int> epsg;
+        std::string name;
+        double semiMajor = 0;          ///< metres
+        double inverseFlattening = 0;  ///< 0: a sphere
+        double primeMeridian = 0;      ///< degrees east of Greenwich
+    };
+    Base base;
+    int method = 0;  ///< EPSG's number of the way it is projected; 0: of none, or one without a number
+    std::map<int, double> parameters{};  ///< by EPSG's numbers: degrees, metres, ratios
+};
+
 /// Owned by whoever made it. *Thread safety*: none, not even of const functions - PROJ's objects belong to one thread.
 class GeoReference {
   public:
@@ -44,6 +59,8 @@ class GeoReference {
     ~GeoReference();
 
     const FileCrs& file() const;
+    /// Of x and y. nullopt where PROJ does not tell its ellipsoid.
+    std::optional<CrsParts> parts() const;
     /// In place. A place that has none there becomes two infinities.
     void fromFile(WorldCrs world, std::span<glm::dvec2> places) const;
     void toFile(WorldCrs world, std::span<glm::dvec2> places) const;

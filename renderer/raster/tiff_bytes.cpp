@@ -177,6 +177,8 @@ bool setPlace(TIFF* tiff, const RasterLayout& layout) {
         const auto id = geokey_t(key.key);
         if (const auto* number = std::get_if<std::uint16_t>(&key.value))
             ok = GTIFKeySet(keys, id, TYPE_SHORT, 1, int(*number)) != 0 && ok;
+        else if (const auto* real = std::get_if<double>(&key.value))
+            ok = GTIFKeySet(keys, id, TYPE_DOUBLE, 1, *real) != 0 && ok;
         else
             ok = GTIFKeySet(keys, id, TYPE_ASCII, 0, std::get<std::string>(key.value).c_str()) != 0 && ok;
     }

@@ -111,6 +111,29 @@ class Rasters(unittest.TestCase):
         self.got("filtered.tif", "dem.tif?cell=2&outliers=show&filter=classification:6..6")
         self.expect_elevations("filtered.tif", "highest", self.classes == 6)
 
+    def test_a_system_without_a_number_is_read_as_what_it_is(self):
+        degrees = ('GEOGCS["NAD83",DATUM["North_American_Datum_1983",SPHEROID["GRS 1980",6378137,298.257222101]],PRIMEM["Greenwich",0],'
+                   'UNIT["degree",0.0174532925199433]]')
+        foot, metre = 'UNIT["US survey foot",0.304800609601219]', 'UNIT["metre",1]'
+        for name, method, parameters, unit in (
+                ("tm", "Transverse_Mercator", {"latitude_of_origin": 51.5, "central_meridian": 13.25, "scale_factor": 0.99995, "false_easting": 4000, "false_northing": 1000}, foot),
+                ("lcc2", "Lambert_Conformal_Conic_2SP", {"standard_parallel_1": 51, "standard_parallel_2": 53.5, "latitude_of_origin": 50, "central_meridian": 11, "false_easting": 2500, "false_northing": 70}, foot),
+                ("lcc1", "Lambert_Conformal_Conic_1SP", {"latitude_of_origin": 50, "central_meridian": 11, "scale_factor": 0.9999, "false_easting": 2500, "false_northing": 70}, metre),
+                ("laea", "Lambert_Azimuthal_Equal_Area", {"latitude_of_center": 51, "longitude_of_center": 11, "false_easting": 2500, "false_northing": 70}, metre),
+                ("albers", "Albers_Conic_Equal_Area", {"standard_parallel_1": 49, "standard_parallel_2": 54, "latitude_of_center": 50, "longitude_of_center": 11, "false_easting": 2500, "false_northing": 70}, metre)):
+            said = ",".join(f'PARAMETER["{key}",{value}]' for key, value in parameters.items())
+            wkt = f'PROJCS["Site {name}",{degrees},PROJECTION["{method}"],{said},{unit}]'
+            program("scancast", "ingest", self.path("town.las"), "-q", "--assume-crs", wkt, "-o", self.path(f"{name}.scan"))
+            program("scancast", "dem", self.path(f"{name}.scan"), "-q", "--cell", "2", "-o", self.path(f"{name}.tif"))
+            read, meant = osr.SpatialReference(gdal.Open(self.path(f"{name}.tif")).GetProjection()), osr.SpatialReference(wkt)
+            to_degrees = []
+            for crs in (read, meant):
+                crs.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+                self.assertTrue(crs.IsProjected(), crs.ExportToWkt())
+                to_degrees.append(osr.CoordinateTransformation(crs, crs.CloneGeogCS()).TransformPoint(389500.0, 719780.0)[:2])
+            self.assertAlmostEqual(to_degrees[0][0], to_degrees[1][0], 9, (read.ExportToWkt(), wkt))
+            self.assertAlmostEqual(to_degrees[0][1], to_degrees[1][1], 9)
+
     def test_packed_or_not_over_http_or_not_the_cells_are_the_same(self):
         words = "cell=0.3&value=mean&fill=5"
         self.got("packed.tif", f"dem.tif?{words}")

@@ -111,7 +111,7 @@ TEST_P(HiddenPoints, OfTheRearOfTwoSheetsGoAndTheFrontStays) {
     for (const HiddenSetting& setting : hiddenSettings(slow_)) {
         Share removed, lost, closed;
         // About as many points of small pictures as of large ones.
-        for (std::uint64_t seed = 0; seed < (slow_ ? 250'000u : 1'000'000u) /
+        for (std::uint64_t seed = 0; seed < (slow_ ? 140'000u : 1'000'000u) /
                                                 (static_cast<std::uint64_t>(setting.width) * setting.height);
              ++seed) {
             PointScreen s = twoSheets(setting, seed, [](const ScreenPoint&) { return true; });

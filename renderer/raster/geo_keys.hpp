@@ -1,5 +1,5 @@
 // Where a raster lies on earth, in GeoTIFF's words (OGC 19-008r4, GeoTIFF 1.1): which CRS, by its number where that is known or PROJ finds
-// it by what the scan's text says, else by what it is made of. Any thread; some milliseconds, where PROJ is asked.
+// it by what the scan's text says, else by what it is made of. Any thread; a tenth of a second, where PROJ is asked.
 // Pipeline: cloud's facts → **keys** → TIFF.
 #pragma once
 

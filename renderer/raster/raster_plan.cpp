@@ -46,7 +46,6 @@ Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& requ
     RasterLayout& layout = raster.layout;
     layout.grid = *grid;
     layout.packing = request.packing;
-    layout.keys = geoKeys(cloud);
     layout.title = cloud.title;
     layout.attribution = cloud.attribution;
     layout.recorded = cloud.recorded;
@@ -78,6 +77,13 @@ Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& requ
     raster.identity =
         fmt::format("{} {}\n", name(request.value), request.fill) + identityOf(layout, request, *view);
     return raster;
+}
+
+Expected<std::unique_ptr<RasterTiff>> openTiff(const Cloud& cloud, const PlannedRaster& raster,
+                                               const RasterScratch& scratch) {
+    RasterLayout layout = raster.layout;
+    layout.keys = geoKeys(cloud);
+    return RasterTiff::create(std::move(layout), scratch);
 }
 
 Expected<std::vector<std::byte>> elevationCells(const Cloud& cloud, const PlannedRaster& raster,

@@ -8,12 +8,12 @@
 
 #include "renderer/raster/elevation.hpp"
 #include "renderer/raster/ortho_view.hpp"
-#include "renderer/raster/tiff_bytes.hpp"
+#include "renderer/raster/raster_tiff.hpp"
 
 namespace scancast {
 
 struct PlannedRaster {
-    RasterLayout layout{};
+    RasterLayout layout{};  ///< but for its keys
     ElevationOptions elevation{};
     SampleFilter filter{};  ///< of elevation
     /// Of elevation whose view asks for values of columns: the cloud with what these leave. Null: the cloud itself.
@@ -26,6 +26,11 @@ struct PlannedRaster {
 /// Errors: rasterGrid()'s; those of the view's words and of plan().
 Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& request,
                                    const RasterLimits& limits = {});
+
+/// The file that it becomes, with the cloud's place on earth. Where a CRS has no number, PROJ is asked, which takes a tenth of a second:
+/// not for threads that others wait for. Errors: RasterTiff::create()'s.
+Expected<std::unique_ptr<RasterTiff>> openTiff(const Cloud& cloud, const PlannedRaster& raster,
+                                               const RasterScratch& scratch);
 
 /// Its cells of a window; of elevation rasters. As elevationOf().
 Expected<std::vector<std::byte>> elevationCells(const Cloud& cloud, const PlannedRaster& raster,

@@ -120,7 +120,7 @@ class BlockPainter {
 Expected<void> writeRaster(const Cloud& cloud, PlannedRaster& raster, std::optional<BlockPainter>& painter,
                            const RasterArguments& arguments, const ProgressSink& progress,
                            const std::stop_token& stop) {
-    auto tiff = RasterTiff::create(raster.layout, scratchFor(arguments.output));
+    auto tiff = openTiff(cloud, raster, scratchFor(arguments.output));
     if (!tiff) return passOn(tiff);
     auto file = OutputFile::create(arguments.output);
     if (!file) return passOn(file);

@@ -259,13 +259,13 @@ void RasterAnswers::giveUp(const std::shared_ptr<Work>& work, const Error& error
     if (work->given) std::exchange(work->given, {})(tl::unexpected(error));
 }
 
-/// Where everything will stand, of a large one, takes a while: not for a network thread.
+/// Where everything will stand, of a large one, takes a while, as does PROJ: not for a network thread.
 Expected<void> RasterAnswers::begin(const std::shared_ptr<Work>& work) const {
     return contained("Making a raster", [&]() -> Expected<void> {
         std::error_code none;
-        auto tiff =
-            RasterTiff::create(work->raster.layout, {std::filesystem::temp_directory_path(none), "TMPDIR",
-                                                     options_.mostScratch / options_.places.all});
+        auto tiff = openTiff(*work->cloud, work->raster,
+                             {std::filesystem::temp_directory_path(none), "TMPDIR",
+                              options_.mostScratch / options_.places.all});
         if (!tiff) return passOn(tiff);
         work->tiff = std::move(*tiff);
         return {};

@@ -47,7 +47,7 @@ class RastersTest : public ServerTest {
     std::string made(const WordValues& words) const {
         const auto raster = planRaster(*survey, *rasterRequestOf(RasterKind::Elevation, words));
         EXPECT_TRUE(raster) << raster.error().message;
-        auto tiff = RasterTiff::create(raster->layout, {folder.path(), "--here"});
+        auto tiff = openTiff(*survey, *raster, {folder.path(), "--here"});
         std::string bytes;
         while (!(*tiff)->isDone()) {
             while ((*tiff)->ready() > 0) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "protocol/nearest_name.hpp"
+#include "renderer/cloud/color_sources.hpp"
 #include "renderer/cloud/columns/pictured_file.hpp"
 #include "renderer/image/colormap.hpp"
 #include "renderer/image/tone_curve.hpp"
@@ -23,40 +24,11 @@ ColorSource bestColorSource(const Attributes& attributes) {
     return attributes.intensity ? ColorSource::Intensity : ColorSource::Elevation;
 }
 
-/// Attributes that are the same everywhere are not offered, but drawn when asked for: they are what the scan
-/// has.
-bool has(const CloudFacts& cloud, ColorSource source) {
-    switch (source) {
-        case ColorSource::Rgb:
-            return cloud.attributes.color || cloud.constant.color;
-        case ColorSource::Infrared:
-            return hasNearInfrared(cloud);
-        case ColorSource::Intensity:
-            return cloud.attributes.intensity || cloud.constant.intensity;
-        case ColorSource::Classification:
-            return cloud.attributes.classification;
-        case ColorSource::Normal:
-            return cloud.attributes.normal;
-        case ColorSource::Curvature:
-            return hasCurvature(cloud);
-        case ColorSource::Column:  // which one, chooseColumns() judges
-        case ColorSource::Auto:
-        case ColorSource::Elevation:
-        case ColorSource::Depth:
-        case ColorSource::Lod:
-        case ColorSource::Visibility:
-        case ColorSource::Cloud:
-        case ColorSource::Flat:
-            return true;
-    }
-    return false;
-}
-
 std::string available(const CloudFacts& cloud) {
     std::string list;
     for (const auto source : {ColorSource::Rgb, ColorSource::Infrared, ColorSource::Intensity,
                               ColorSource::Classification, ColorSource::Normal, ColorSource::Curvature}) {
-        if (has(cloud, source)) list += std::string(name(source)) + ", ";
+        if (canColorBy(cloud, source)) list += std::string(name(source)) + ", ";
     }
     for (const std::size_t c : choosableColumns(cloud)) {
         list += "column:";
@@ -119,7 +91,7 @@ std::optional<std::array<double, 2>> naturalRange(const Cloud& cloud, const Styl
 }
 
 Expected<void> checkHas(const Cloud& cloud, ColorSource source) {
-    if (has(cloud, source)) return {};
+    if (canColorBy(cloud, source)) return {};
     const std::string what(source == ColorSource::Infrared ? "near infrared" : name(source));
     return fail(ErrorCode::Unsupported,
                 "this cloud has no " + what + " to colour by; it has " + available(cloud), "color");

@@ -30,6 +30,9 @@ RasterGrid aroundAll(const Extent& extent, double cell) {
     grid.cell = cell;
     grid.left = std::floor(extent.low.x / cell) * cell;
     grid.top = std::ceil(extent.high.y / cell) * cell;
+    // A multiple may come out a rounding beyond the edge itself.
+    if (grid.columnOf(extent.low.x) < 0) grid.left = (std::floor(extent.low.x / cell) - 1) * cell;
+    if (grid.rowOf(extent.high.y) < 0) grid.top = (std::ceil(extent.high.y / cell) + 1) * cell;
     const auto last = [](double index) {
         return index >= 0 && index < mostSide * 2 ? std::int64_t(index) : std::int64_t(mostSide * 2);
     };

@@ -29,6 +29,15 @@ int blockSide(const Cloud& cloud, const RasterGrid& grid) {
     return grid.tile;
 }
 
+/// What a file says of the cloud beside its cells.
+std::string factsOf(const CloudFacts& cloud) {
+    return printJson({{"title", cloud.title},
+                      {"attribution", cloud.attribution},
+                      {"recorded", cloud.recorded},
+                      {"crs", cloud.crsWkt},
+                      {"epsg", cloud.crsEpsg.value_or(0)}});
+}
+
 std::string identityOf(const RasterLayout& layout, const RasterRequest& request, const View& view) {
     const RasterGrid& grid = layout.grid;
     return fmt::format("{} {} {} {} {} {} {} {} {}\n{}", int(request.kind), grid.left, grid.top, grid.cell,
@@ -54,7 +63,8 @@ Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& requ
         if (!ortho) return passOn(ortho);
         layout.kind = CellKind::Color;
         layout.grid = ortho->grid;
-        raster.identity = identityOf(layout, request, orthoView(cloud, *ortho, layout.grid.blockAt(0)));
+        raster.identity =
+            factsOf(cloud) + identityOf(layout, request, orthoView(cloud, *ortho, layout.grid.blockAt(0)));
         raster.ortho = std::move(*ortho);
         return raster;
     }
@@ -74,8 +84,8 @@ Expected<PlannedRaster> planRaster(const Cloud& cloud, const RasterRequest& requ
     layout.kind = request.value == CellValue::Count ? CellKind::Count : CellKind::Elevation;
     layout.value = name(request.value);
     layout.unit = heightUnit(cloud);
-    raster.identity =
-        fmt::format("{} {}\n", name(request.value), request.fill) + identityOf(layout, request, *view);
+    raster.identity = factsOf(cloud) + fmt::format("{} {}\n", name(request.value), request.fill) +
+                      identityOf(layout, request, *view);
     return raster;
 }
 

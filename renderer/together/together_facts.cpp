@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <utility>
 
+#include "renderer/cloud/color_sources.hpp"
 #include "renderer/cloud/columns/column_choice.hpp"
 
 namespace scancast {
@@ -81,6 +82,19 @@ void lookAtAll(Look& look, const Members& members) {
     }
 }
 
+/// What the own cloud's look says of colour and light, as far as all that is shown have what that takes.
+void leaveOutWhatIsNotThere(const CloudFacts& shown, Style& style) {
+    const bool hasColumn = std::ranges::any_of(
+        shown.columns, [&](const KeptColumn& kept) { return kept.column.name == style.column; });
+    if (!canColorBy(shown, style.color) || (style.color == ColorSource::Column && !hasColumn)) {
+        style.color = ColorSource::Auto;
+        style.column.clear();
+        style.range.reset();
+    }
+    if (!canColorBy(shown, ColorSource::Intensity)) style.byIntensity = false;
+    if (style.shading == Shading::Phong && !shown.surfels && !shown.attributes.normal) style.shading.reset();
+}
+
 /// The own cloud's, but for what it says of places: from outside, where it has such a view.
 std::optional<Look> lookTogether(const Together& together, const Members& shown, const Cloud& all) {
     const Cloud& own = *together.members.front().cloud;
@@ -99,6 +113,7 @@ std::optional<Look> lookTogether(const Together& together, const Members& shown,
         look.style.byIntensity = false;
         look.style.range.reset();
     }
+    leaveOutWhatIsNotThere(all, look.style);
     return look;
 }
 

@@ -71,10 +71,11 @@ Expected<RasterRequest> checkedRequest(const RasterArguments& arguments) {
 /// Packed tiles wait beside what they become.
 RasterScratch scratchFor(const std::string& output) {
     std::error_code error;
-    if (output == "-" || !fs::is_directory(fs::path(output).parent_path(), error) ||
+    const fs::path parent = fs::path(output).parent_path(), folder = parent.empty() ? fs::path(".") : parent;
+    if (output == "-" || !fs::is_directory(folder, error) ||
         (fs::exists(output, error) && !fs::is_regular_file(output, error)))
         return {fs::temp_directory_path(error), "TMPDIR"};
-    return {fs::path(output).parent_path(), "-o FILE"};
+    return {folder, "-o FILE"};
 }
 
 /// Draws an orthophoto's blocks; a lost device is replaced by the cpu device.

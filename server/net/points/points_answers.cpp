@@ -13,6 +13,7 @@
 #include "renderer/image/encode.hpp"
 #include "renderer/profile/profile_picture.hpp"
 #include "renderer/residency/file_of.hpp"
+#include "renderer/style.hpp"
 #include "server/base/faults.hpp"
 #include "server/net/api/negotiate.hpp"
 #include "server/net/points/low_arena.hpp"
@@ -218,8 +219,8 @@ void PointsAnswers::profile(const HttpRequest& request, const Routed& routed, co
     if (!asked) return refuse(std::move(asked.error()));
     asked->respond = respond;
     asked->gone = std::move(gone);
-    if (auto ok = asked->picture(wanted->region, wanted->format ? Style() : picture.style); !ok)
-        return refuse(problemOf(ok.error()));
+    const Style shown = wanted->format ? Style() : decidedStyle(*asked->cloud, picture.style);
+    if (auto ok = asked->picture(wanted->region, shown); !ok) return refuse(problemOf(ok.error()));
     if (!wanted->format) {
         auto drawing =
             ProfileDrawing::create(*asked->cloud, asked->file, *wanted, options_.mostPixels, asked->gone);

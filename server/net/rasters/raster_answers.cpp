@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "protocol/view/view_words.hpp"
+#include "renderer/geo/geo_reference.hpp"
 #include "renderer/raster/raster_plan.hpp"
 #include "server/base/faults.hpp"
 #include "server/net/api/negotiate.hpp"
@@ -115,7 +116,7 @@ RasterAnswers::RasterAnswers(const Admission& admission, TransientMemory memory,
       memory_(std::move(memory)),
       scheduler_(scheduler),
       options_(options),
-      version_(std::move(version)),
+      version_(std::move(version) + '\0' + projectionsVersion()),
       places_(options.places),
       arena_(std::make_unique<LowArena>()),
       worker_(2 * options.places.all + 2) {

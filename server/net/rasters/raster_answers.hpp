@@ -68,7 +68,7 @@ class RasterAnswers {
     const TransientMemory memory_;
     Scheduler& scheduler_;
     const RasterOptions options_;
-    const std::string version_;
+    const std::string version_;  ///< of the program and of PROJ, which may put a system's name into a file
     const WorkPlaces places_;
     const std::unique_ptr<LowArena> arena_;
     mutable Worker worker_;  // last: ends before the rest

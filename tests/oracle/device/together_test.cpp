@@ -378,6 +378,29 @@ TEST(TogetherTree, DefaultCamerasSeeAllOfThem) {
     }
 }
 
+TEST(TogetherTree, ALookThatOthersDoNotHaveIsLeftOut) {
+    auto own = std::make_shared<Cloud>(*groundCloud());
+    own->look.emplace();
+    own->look->bounds = own->bounds;
+    own->look->views = {LookView{"whole", false, own->defaultCamera(1.5)}};
+    own->look->style.color = ColorSource::Rgb;
+    own->look->style.byIntensity = true;
+    own->look->style.shading = Shading::Phong;
+    TogetherMember hidden = member("ground", own);
+    hidden.hidden = true;
+    const auto plain = built(500, ballThere, false, false);
+    const auto both = together({hidden, member("plain", plain)});
+    ASSERT_TRUE(both->look);
+    EXPECT_EQ(both->look->style.color, ColorSource::Auto);
+    EXPECT_FALSE(both->look->style.byIntensity);
+    EXPECT_TRUE(plan(*both, defaultView(*both, 64, 48)));
+    own->look->style.color = ColorSource::Column;
+    own->look->style.column = "nobody has it";
+    EXPECT_TRUE(plan(*together({hidden, member("plain", plain)}), defaultView(*both, 64, 48)));
+    EXPECT_EQ(together({member("ground", groundCloud()), member("ball", ballCloud())})->attributes.color,
+              true);
+}
+
 TEST(TogetherPick, SaysWhosePointItIsAndWhereThatHasIt) {
     TogetherMember moved = member("ball", ballCloud());
     moved.shift = {0, -20, 4};

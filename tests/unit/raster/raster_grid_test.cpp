@@ -44,6 +44,24 @@ TEST_F(Grid, CoversAllOfTheCloudInWholeCells) {
     EXPECT_NEAR(automatic->cell, 3 * cloud().spacing, 2.5 * cloud().spacing);
 }
 
+TEST_F(Grid, NoPointOnAnEdgeIsLostToRounding) {
+    // Multiples of 0.01 or 0.3 as doubles lie on either side of what they stand for.
+    Cloud moved = cloud();
+    for (int i = 0; i < 3000; ++i) {
+        moved.bounds[0] = {389400 + i * 0.01, 5819700 + i * 0.03, 0};
+        moved.bounds[1] = {389401 + i * 0.01, 5819701 + i * 0.15, 1};
+        for (const char* cell : {"0.01", "0.02", "0.3", "0.7"}) {
+            RasterLimits limits;
+            limits.mostCells = std::uint64_t(1) << 40;
+            const auto grid = rasterGrid(moved, requested(RasterKind::Elevation, {{"cell", cell}}), limits);
+            ASSERT_TRUE(grid) << grid.error().message;
+            const double column = grid->columnOf(moved.bounds[0].x), row = grid->rowOf(moved.bounds[1].y);
+            ASSERT_TRUE(column >= 0 && column <= 1) << cell << ", " << i;
+            ASSERT_TRUE(row >= 0 && row <= 1) << cell << ", " << i;
+        }
+    }
+}
+
 TEST_F(Grid, BoundsAreTakenAsTheyAre) {
     const auto grid = gridOf({{"cell", "0.5"}, {"bbox", "389400.25,5819700.25,389410.25,5819705.3"}});
     ASSERT_TRUE(grid);

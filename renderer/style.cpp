@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "protocol/nearest_name.hpp"
-#include "renderer/cloud/color_sources.hpp"
+#include "renderer/cloud/columns/color_sources.hpp"
 #include "renderer/cloud/columns/pictured_file.hpp"
 #include "renderer/image/colormap.hpp"
 #include "renderer/image/tone_curve.hpp"

@@ -8,7 +8,7 @@
 #include <glm/common.hpp>
 #include <utility>
 
-#include "renderer/cloud/color_sources.hpp"
+#include "renderer/cloud/columns/color_sources.hpp"
 #include "renderer/cloud/columns/column_choice.hpp"
 
 namespace scancast {

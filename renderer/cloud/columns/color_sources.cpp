@@ -1,4 +1,4 @@
-#include "renderer/cloud/color_sources.hpp"
+#include "renderer/cloud/columns/color_sources.hpp"
 
 namespace scancast {
 

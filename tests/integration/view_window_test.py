@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
@@ -31,6 +32,16 @@ class Screen:
         with os.fdopen(read) as number:
             self.display = ":" + number.readline().strip()
         self.file = os.path.join(folder, "Xvfb_screen0")
+        self.wait()
+
+    def wait(self):
+        """Until it answers: on a busy machine it says its number before it does."""
+        end = time.monotonic() + PATIENCE
+        while subprocess.run(["xdotool", "getdisplaygeometry"], env={**os.environ, "DISPLAY": self.display},
+                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
+            if self.process.poll() is not None or time.monotonic() > end:
+                raise AssertionError(f"Xvfb does not answer on {self.display!r}")
+            time.sleep(0.05)
 
     def colours(self):
         """How many different pixels there are (XWD: a header that tells its length, a table of colours, rows)."""

@@ -1,6 +1,6 @@
 # Lists the suites of a GoogleTest program as tests of CTest, one process each: what a suite prepares - a device, a
 # scene, a server - is made once, and a run is some hundreds of processes instead of thousands.
-# Run after the program is linked: cmake -DPROGRAM=… -DOUTPUT=… -DNAME=… -DLAUNCHER=… -DBUDGET=… -DBUDGETS=SUITE=SECONDS,…
+# Run after the program is linked: cmake -DPROGRAM=… -DOUTPUT=… -DNAME=… -DLAUNCHER=… -DBUDGET=… -DGL_BUDGET=… -DBUDGETS=SUITE=SECONDS,…
 # -DLABEL=… [-DGL_LABEL=…] -P this
 execute_process(COMMAND "${PROGRAM}" --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE failed)
 if(failed)
@@ -16,6 +16,9 @@ foreach(suite IN LISTS suites)
     continue()
   endif()
   set(budget "${BUDGET}")
+  if(suite MATCHES "^Gl[A-Za-z0-9]*/")
+    set(budget "${GL_BUDGET}")
+  endif()
   if(",${BUDGETS}," MATCHES ",${suite}=([0-9.]+),")
     set(budget "${CMAKE_MATCH_1}")
   endif()

@@ -154,7 +154,8 @@ nlohmann::json toJson(const ProfileRequest& request) {
     if (request.estimatedNormals) object["normals"] = true;
     if (request.format) return object;
     const ProfilePicture& picture = request.picture;
-    nlohmann::json drawn{{"width", picture.width}, {"pointSize", picture.pointSize}};
+    nlohmann::json drawn{{"width", picture.width}};
+    if (picture.pointSize) drawn["pointSize"] = *picture.pointSize;
     if (picture.height) drawn["height"] = *picture.height;
     if (picture.exaggeration) drawn["exaggeration"] = *picture.exaggeration;
     View view;

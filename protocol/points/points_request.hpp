@@ -39,7 +39,8 @@ struct ProfilePicture {
     std::optional<int> height{};
     /// Heights are drawn so many times as large as stations; nullopt: 1, or what fills `height`.
     std::optional<double> exaggeration{};
-    int pointSize = 1;  ///< px, side of a square
+    /// px, side of a point's square; nullopt: 1, or as far as points lie apart (renderer/profile/grow_dots.hpp).
+    std::optional<int> pointSize{};
     /// Of the view's words, those of colours: color, exposure, colormap, range, background.
     Style style{};
 };

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "files/bytes.hpp"
+#include "renderer/profile/grow_dots.hpp"
 
 namespace scancast {
 namespace {
@@ -73,6 +74,7 @@ Expected<std::unique_ptr<ProfileDrawing>> ProfileDrawing::create(const Cloud& cl
     made->picture_ = request.picture;
     made->background_ = request.picture.style.background;
     made->mostPixels_ = mostPixels;
+    made->spacing_ = cloud.spacing;
     made->heights_ = {std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()};
     return made;
 }
@@ -92,7 +94,12 @@ Expected<bool> ProfileDrawing::step() {
     if (*more) return true;
     source_.reset();
     done_ = drawing_;
-    if (done_) return false;
+    if (done_) {
+        if (!picture_.pointSize)
+            growDots(pixels_, scale_.width,
+                     mostDotSide(spacing_, std::max(scale_.perStation, scale_.perHeight)));
+        return false;
+    }
     if (auto ok = beginDrawing(); !ok) return passOn(ok);
     return true;
 }
@@ -107,7 +114,7 @@ Expected<void> ProfileDrawing::beginDrawing() {
 
 void ProfileDrawing::draw(const PointBatch& batch) {
     const std::size_t stride = rowBytes(source_->header().columns);
-    const int before = (picture_.pointSize - 1) / 2, behind = picture_.pointSize / 2;
+    const int side = picture_.pointSize.value_or(1), before = (side - 1) / 2, behind = side / 2;
     for (std::size_t i = 0; i < batch.size(); ++i) {
         const std::byte* row = batch.rows.data() + i * stride;
         const double station = loadLe<double>(row), offset = loadLe<double>(row + sizeof(double));

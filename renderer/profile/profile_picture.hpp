@@ -1,6 +1,6 @@
 // The picture of a profile: a corridor unfolded, station to the right, height upwards, as who stands to the right of the line
-// sees it. Each point is a square of a few pixels; in front is the one with the largest offset, so the picture does not depend on
-// the order of points, nor on threads. Pipeline: cloud file → points in the corridor → **picture** → PNG.
+// sees it. Each point is a square of a few pixels, as asked, or as far as points lie apart (grow_dots.hpp); in front is the one with the
+// largest offset, so the picture does not depend on the order of points, nor on threads. Pipeline: cloud file → points in the corridor → **picture** → PNG.
 //
 // Owned and used by one thread, step by step: once over the points for the heights between which they lie, and once to draw them.
 #pragma once
@@ -70,6 +70,7 @@ class ProfileDrawing {
     std::uint64_t points_ = 0;
     bool drawing_ = false, done_ = false;
     ProfileScale scale_;
+    double spacing_ = 0;                 ///< the cloud's
     std::vector<std::uint64_t> pixels_;  ///< offset above colour; 0: nothing there
 };
 

@@ -136,6 +136,10 @@ TEST_F(OpenApiTest, EveryExampleRunsAndEveryAnswerIsDescribed) {
                     EXPECT_THAT(schemaErrors(document, body["schema"], example["value"]),
                                 ::testing::IsEmpty())
                         << path;
+                    // These are of the generated town, and asked of it in operation/measure_examples_test.cpp.
+                    if (path.ends_with("/measure") &&
+                        (example["value"]["measure"] == "volume" || example["value"]["measure"] == "circle"))
+                        continue;
                     expectDescribed(path + " " + name, operation,
                                     post(port(), target, example["value"].dump(),
                                          {authorization, "Content-Type: application/json"}));

@@ -13,7 +13,7 @@ namespace scancast::client {
 namespace {
 
 struct BenchFlags {
-    ServerFlags server;
+    CloudFlags cloud;
     ViewFlags view;
     BenchOptions options;
     std::array<int, behaviours.size()> sessions{};
@@ -74,18 +74,16 @@ Expected<void> run(BenchFlags& flags) {
     if (total == 0)
         return fail(ErrorCode::InvalidArgument,
                     "nothing to do: give --moving, --idle, --slow or --never-ack");
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto cloud = chooseCloud(*server, flags.options.cloud).and_then([&](const std::string& id) {
-        return server->cloud(id);
-    });
+    const auto from = flags.cloud.choose();
+    if (!from) return passOn(from);
+    const auto cloud = from->info();
     if (!cloud) return passOn(cloud);
     const auto start = orbitStart(flags.view, *cloud);
     if (!start) return passOn(start);
     flags.options.cloud = cloud->id;
     flags.options.start = *start;
 
-    const auto results = runSessions(*server, flags);
+    const auto results = runSessions(from->server, flags);
     const auto report = benchReport(flags.options, results);
     sayOn(stdout, "%s", flags.json ? (printJson(report) + "\n").c_str() : benchText(report).c_str());
     if (!flags.final.empty())
@@ -134,11 +132,9 @@ void addNumbers(CLI::App& command, BenchOptions& options) {
 void addBench(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<BenchFlags>();
     auto& command = *app.add_subcommand("bench", "Open many sessions at once and measure what they see");
-    flags->server.addTo(command);
+    flags->cloud.addTo(command);
     addSessions(command, *flags);
     addNumbers(command, flags->options);
-    command.add_option("--cloud", flags->options.cloud, "ID of the cloud. Default: the server's first one")
-        ->type_name("ID");
     command
         .add_option(
             "--final", flags->final,
@@ -150,7 +146,7 @@ void addBench(CLI::App& app, int& exitCode) {
         "All sessions first see their view's final still; then the clock starts. The time of a frame is that "
         "since\n"
         "the view which it shows was sent. Example:\n"
-        "  scancast-client bench http://127.0.0.1:8080/ --moving 8 --slow 1 --seconds 10");
+        "  scancast-client bench http://127.0.0.1:8080/ town --moving 8 --slow 1 --seconds 10");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }
 

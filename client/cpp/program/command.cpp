@@ -54,18 +54,31 @@ Expected<Server> ServerFlags::server() const {
     return Server(*parsed, timeouts, std::move(credentials));
 }
 
+void CloudFlags::addTo(CLI::App& app, const std::string& otherwise) {
+    server.addTo(app);
+    addCloudTo(app, otherwise);
+}
+
+void CloudFlags::addCloudTo(CLI::App& app, const std::string& otherwise) {
+    app.add_option("CLOUD,--cloud", id, "ID of the cloud, with the flag or without. Default: " + otherwise)
+        ->type_name("ID");
+}
+
+Expected<ServedCloud> CloudFlags::choose(const std::string& otherwise) const {
+    auto from = server.server();
+    if (!from) return passOn(std::move(from));
+    if (const std::string& wanted = id.empty() ? otherwise : id; !wanted.empty())
+        return ServedCloud{std::move(*from), wanted};
+    const auto clouds = from->clouds();
+    if (!clouds) return passOn(clouds);
+    if (clouds->empty()) return fail(ErrorCode::NotFound, from->url().authority() + " has no clouds");
+    return ServedCloud{std::move(*from), clouds->front().id};
+}
+
 int report(const Expected<void>& result) {
     if (result) return 0;
     sayOn(stderr, "scancast-client: %s\n", result.error().message.c_str());
     return 1;
-}
-
-Expected<std::string> chooseCloud(const Server& server, const std::string& given) {
-    if (!given.empty()) return given;
-    const auto clouds = server.clouds();
-    if (!clouds) return passOn(clouds);
-    if (clouds->empty()) return fail(ErrorCode::NotFound, server.url().authority() + " has no clouds");
-    return clouds->front().id;
 }
 
 void FrameWarnings::look(const FrameHeader& header) {

@@ -35,11 +35,29 @@ struct ServerFlags {
     Expected<Server> server() const;
 };
 
+/// A server, and one of its clouds.
+struct ServedCloud {
+    Server server;
+    std::string id;
+
+    Expected<CloudInfo> info() const { return server.cloud(id); }
+};
+
+/// What every subcommand about one cloud needs to know. The cloud stands behind all else that has no flag, or behind --cloud:
+/// `points URL town`, `measure URL distance town`, `path URL flight.json --cloud town`.
+struct CloudFlags {
+    ServerFlags server;
+    std::string id;  ///< as given; empty = the server's first one
+
+    /// Both at once, for who has no positional of its own between them.
+    void addTo(CLI::App& app, const std::string& otherwise = "the server's first one");
+    void addCloudTo(CLI::App& app, const std::string& otherwise = "the server's first one");
+    /// The cloud as given, else `otherwise`, else the server's first one. Errors: ServerFlags::server()'s; NotFound where a server has none.
+    Expected<ServedCloud> choose(const std::string& otherwise = {}) const;
+};
+
 /// Runs a subcommand: prints the error, if it ends with one, and returns the exit code.
 int report(const Expected<void>& result);
-
-/// The cloud's id as given, or the server's first cloud.
-Expected<std::string> chooseCloud(const Server& server, const std::string& given);
 
 /// Says on standard error, the first time that it is called with a frame that lacks blocks, or is coarser because a part of the
 /// server is away, what such pictures are.

@@ -81,7 +81,6 @@ void FilmFlags::addTo(CLI::App& command) {
         ->type_name("N")
         ->check(CLI::Range(0.1, 240.0))
         ->capture_default_str();
-    command.add_option("--cloud", cloud, "ID of the cloud. Default: the server's first one")->type_name("ID");
     command.add_flag("--moving", moving,
                      "Take the first frame of each step, as seen while moving, instead of the final still");
     command.add_flag("--quiet", quiet, "No progress on standard error");

@@ -9,7 +9,7 @@
 namespace scancast::client {
 
 struct FilmFlags {
-    std::string cloud, output;
+    std::string output;
     double framesPerSecond = 30;  ///< of a video
     bool moving = false, quiet = false;
 

@@ -10,7 +10,7 @@ namespace scancast::client {
 namespace {
 
 struct InfoFlags {
-    ServerFlags server;
+    CloudFlags cloud;
     bool json = false;
 };
 
@@ -48,10 +48,16 @@ void print(const MethodInfo& method) {
     }
 }
 
+/// All, or the one that is named.
+Expected<std::vector<CloudInfo>> cloudsOf(const Server& server, const std::string& id) {
+    if (id.empty()) return server.clouds();
+    return server.cloud(id).map([](const CloudInfo& cloud) { return std::vector{cloud}; });
+}
+
 Expected<void> run(const InfoFlags& flags) {
-    const auto server = flags.server.server();
+    const auto server = flags.cloud.server.server();
     if (!server) return passOn(server);
-    const auto clouds = server->clouds();
+    const auto clouds = cloudsOf(*server, flags.cloud.id);
     if (!clouds) return passOn(clouds);
     const auto methods = server->methods();
     if (!methods) return passOn(methods);
@@ -72,9 +78,12 @@ Expected<void> run(const InfoFlags& flags) {
 void addInfo(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<InfoFlags>();
     auto& command = *app.add_subcommand("info", "List the server's clouds and rendering methods");
-    flags->server.addTo(command);
+    flags->cloud.addTo(command, "all of them");
     command.add_flag("--json", flags->json, "Print one JSON object with `clouds` and `methods`");
-    command.footer("Example:\n  scancast-client info http://127.0.0.1:8080/");
+    command.footer(
+        "Examples:\n"
+        "  scancast-client info http://127.0.0.1:8080/\n"
+        "  scancast-client info http://127.0.0.1:8080/ town --json");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }
 

@@ -16,12 +16,14 @@ int main(int argc, char** argv) {
         "  scancast-client info http://127.0.0.1:8080/\n"
         "  scancast-client snapshot http://127.0.0.1:8080/ --method cone -o town.jpg\n"
         "  scancast-client orbit http://127.0.0.1:8080/ --frames 36 -o frames/\n"
-        "  scancast-client points http://127.0.0.1:8080/ --classes 6 -o roofs.las\n"
+        "  scancast-client points http://127.0.0.1:8080/ town --classes 6 -o roofs.las\n"
         "  scancast-client view http://127.0.0.1:8080/\n"
         "  scancast-client pick http://127.0.0.1:8080/ town --x 640 --y 360\n"
         "  scancast-client measure http://127.0.0.1:8080/ distance town --point 0,0,0 --point 3,4,0\n"
         "  scancast-client dem http://127.0.0.1:8080/ --cell 0.5 -o town-dem.tif\n"
-        "Each subcommand has a --help of its own.\n" +
+        "The cloud stands behind the server's URL, or behind --cloud; without, it is the server's first one. "
+        "Each "
+        "subcommand has a --help of its own.\n" +
         std::string(scancast::exitCodesText));
     app.require_subcommand(1);
     int exitCode = 0;

@@ -14,7 +14,7 @@ namespace scancast::client {
 namespace {
 
 struct PathFlags {
-    ServerFlags server;
+    CloudFlags cloud;
     ViewFlags view;
     FilmFlags film;
     std::string file, project, tour;
@@ -89,7 +89,11 @@ Expected<ProjectTours> readProject(const std::string& file) {
 
 Expected<void> run(const PathFlags& flags) {
     if (flags.file.empty() == flags.project.empty())
-        return fail(ErrorCode::InvalidArgument, "give either FILE, with key frames, or --project");
+        return fail(ErrorCode::InvalidArgument,
+                    flags.file.empty()
+                        ? "give either FILE, with key frames, or --project"
+                        : "give either FILE, with key frames, or --project, and not both; if " + flags.file +
+                              " is a cloud, say --cloud " + flags.file);
     if (flags.project.empty() && !flags.tour.empty())
         return fail(ErrorCode::InvalidArgument, "--tour names a tour of --project; FILE has none");
     std::optional<ProjectTours> project;
@@ -98,13 +102,11 @@ Expected<void> run(const PathFlags& flags) {
         if (!read) return passOn(read);
         project = std::move(*read);
     }
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto& wanted = project && flags.film.cloud.empty() ? project->cloud : flags.film.cloud;
-    const auto cloud =
-        chooseCloud(*server, wanted).and_then([&](const std::string& id) { return server->cloud(id); });
+    const auto from = flags.cloud.choose(project ? project->cloud : std::string());
+    if (!from) return passOn(from);
+    const auto cloud = from->info();
     if (!cloud) return passOn(cloud);
-    return project ? filmTour(*server, *cloud, flags, *project) : filmPath(*server, *cloud, flags);
+    return project ? filmTour(from->server, *cloud, flags, *project) : filmPath(from->server, *cloud, flags);
 }
 
 }  // namespace
@@ -112,8 +114,9 @@ Expected<void> run(const PathFlags& flags) {
 void addPath(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<PathFlags>();
     auto& command = *app.add_subcommand("path", "Fly along key frames: numbered JPEGs, or a video");
-    flags->server.addTo(command);
+    flags->cloud.server.addTo(command);
     command.add_option("FILE", flags->file, "Key frames as JSON");
+    flags->cloud.addCloudTo(command, "that of the project, or the server's first one");
     command
         .add_option("--project", flags->project,
                     "Fly along the saved views of a project file of the page's, in place of FILE")
@@ -130,7 +133,7 @@ void addPath(CLI::App& app, int& exitCode) {
         "the\n"
         "saved views of a tour, smoothly, rests at each as long as the tour says, and takes each one's "
         "style. Examples:\n"
-        "  scancast-client path http://127.0.0.1:8080/ flight.json -o flight.mp4\n"
+        "  scancast-client path http://127.0.0.1:8080/ flight.json town -o flight.mp4\n"
         "  scancast-client path http://127.0.0.1:8080/ --project town.project.json --tour Walk -o walk.mp4");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/program/picture_file.hpp"
 #include "client/cpp/program/say.hpp"
 #include "protocol/flags/view_flags.hpp"
 
@@ -9,18 +10,10 @@ namespace scancast::client {
 namespace {
 
 struct SnapshotFlags {
-    ServerFlags server;
+    CloudFlags cloud;
     ViewFlags view;
-    std::string cloud, output, etag;
+    std::string output, etag;
 };
-
-Expected<PictureFormat> formatOf(const std::string& path) {
-    const auto ends = [&](std::string_view suffix) { return path.ends_with(suffix); };
-    if (ends(".jpg") || ends(".jpeg") || ends(".JPG")) return PictureFormat::Jpeg;
-    if (ends(".png") || ends(".PNG")) return PictureFormat::Png;
-    return fail(ErrorCode::InvalidArgument,
-                "the name " + path + " does not end in .jpg or .png, so its format is not known");
-}
 
 /// ", drawn as disc (it has normals)"; empty where the server does not say.
 std::string drawnAs(const Snapshot& picture) {
@@ -30,18 +23,16 @@ std::string drawnAs(const Snapshot& picture) {
 }
 
 Expected<void> run(const SnapshotFlags& flags) {
-    const auto format = formatOf(flags.output);  // sound: the flag's check has said so
+    const auto format = pictureFormatOf(flags.output);  // sound: the flag's check has said so
     if (!format) return passOn(format);
     const auto words = flags.view.words();
     if (!words) return passOn(words);
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto cloud = chooseCloud(*server, flags.cloud);
+    const auto cloud = flags.cloud.choose();
     if (!cloud) return passOn(cloud);
-    const auto picture = server->snapshot(*cloud, *words, *format, flags.etag);
+    const auto picture = cloud->server.snapshot(cloud->id, *words, *format, flags.etag);
     if (!picture) return passOn(picture);
     if (picture->notModified) {
-        sayOn(stdout, "%s is still the same: nothing written\n", cloud->c_str());
+        sayOn(stdout, "%s is still the same: nothing written\n", cloud->id.c_str());
         return {};
     }
     if (auto ok = writeFile(flags.output, picture->bytes); !ok) return ok;
@@ -52,11 +43,11 @@ Expected<void> run(const SnapshotFlags& flags) {
             "in their place\n",
             static_cast<unsigned long long>(picture->damaged), picture->damaged == 1 ? "block" : "blocks");
         sayOn(stdout, "%s: %zu bytes of %s, damaged\n", flags.output.c_str(), picture->bytes.size(),
-              cloud->c_str());
+              cloud->id.c_str());
         return {};
     }
     sayOn(stdout, "%s: %zu bytes of %s%s, ETag %s\n", flags.output.c_str(), picture->bytes.size(),
-          cloud->c_str(), drawnAs(*picture).c_str(), picture->etag.c_str());
+          cloud->id.c_str(), drawnAs(*picture).c_str(), picture->etag.c_str());
     return {};
 }
 
@@ -65,24 +56,14 @@ Expected<void> run(const SnapshotFlags& flags) {
 void addSnapshot(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<SnapshotFlags>();
     auto& command = *app.add_subcommand("snapshot", "Fetch one picture in full quality");
-    flags->server.addTo(command);
-    command
-        .add_option("-o,--output", flags->output,
-                    "The picture to write: JPEG or PNG, by the ending of its name")
-        ->type_name("FILE.jpg|FILE.png")
-        ->check([](const std::string& name) {
-            const auto format = formatOf(name);
-            return format ? std::string() : format.error().message;
-        })
-        ->required();
-    command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
-        ->type_name("ID");
+    flags->cloud.addTo(command);
+    addPictureFile(command, flags->output, "picture");
     command.add_option("--if-none-match", flags->etag, "Write nothing if the picture still has this ETag")
         ->type_name("ETAG");
     flags->view.addTo(command);
     command.footer(
         "Whatever is not given is taken from the cloud's default view. Example:\n"
-        "  scancast-client snapshot http://127.0.0.1:8080/ --cloud town --eye 10,0,2 --color elevation "
+        "  scancast-client snapshot http://127.0.0.1:8080/ town --eye 10,0,2 --color elevation "
         "--width 1920 --height 1080 -o town.jpg");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

@@ -10,9 +10,8 @@ namespace scancast::client {
 namespace {
 
 struct WindowFlags {
-    ServerFlags server;
+    CloudFlags cloud;
     ViewFlags view;
-    std::string cloud;
     bool trace = false;
     std::optional<int> finals;
 };
@@ -21,21 +20,20 @@ Expected<void> run(const WindowFlags& flags) {
     const auto words = flags.view.words();
     if (!words) return passOn(words);
     if (auto ok = checkDisplay(); !ok) return ok;
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto cloud =
-        chooseCloud(*server, flags.cloud).and_then([&](const std::string& id) { return server->cloud(id); });
+    const auto from = flags.cloud.choose();
+    if (!from) return passOn(from);
+    const auto cloud = from->info();
     if (!cloud) return passOn(cloud);
     const auto view = applyWords(cloud->view, *words);
     if (!view) return passOn(view);
     if (view->camera.viewMatrix)
         return fail(ErrorCode::InvalidArgument,
                     "a window is steered by --eye and --target, not by --view-matrix", "viewMatrix");
-    const auto methods = server->methods();
+    const auto methods = from->server.methods();
     if (!methods) return passOn(methods);
     WindowOptions options{*cloud, *view, {}, flags.trace, flags.finals};
     for (const auto& method : *methods) options.methods.push_back(method.name);
-    return runWindow(*server, std::move(options));
+    return runWindow(from->server, std::move(options));
 }
 
 }  // namespace
@@ -43,9 +41,7 @@ Expected<void> run(const WindowFlags& flags) {
 void addView(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<WindowFlags>();
     auto& command = *app.add_subcommand("view", "View a cloud in a window");
-    flags->server.addTo(command);
-    command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
-        ->type_name("ID");
+    flags->cloud.addTo(command);
     command.add_flag("--trace", flags->trace, "Print what happens on standard output");
     command.add_option("--finals", flags->finals, "Close after this many final stills")->type_name("N");
     flags->view.addTo(command);
@@ -55,7 +51,7 @@ void addView(CLI::App& app, int& exitCode) {
         "1 2 3: quality while moving (sharp, balanced, fast); C: colours; R: first view; F: full screen; H: "
         "help;\n"
         "Escape: quit. Example:\n"
-        "  scancast-client view http://127.0.0.1:8080/ --method disc");
+        "  scancast-client view http://127.0.0.1:8080/ town --method disc");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }
 

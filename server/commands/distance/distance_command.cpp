@@ -5,7 +5,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -15,6 +14,7 @@
 #include "remote/remote_url.hpp"
 #include "renderer/cloud/distance/epoch_distance.hpp"
 #include "server/base/byte_size.hpp"
+#include "server/commands/making_flags.hpp"
 #include "server/terminal/interruption.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
@@ -22,13 +22,9 @@
 namespace scancast {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct DistanceArguments {
-    std::string after, before, output, name = "distance", shift, memoryLimit;
+struct DistanceArguments : MakingFlags {
+    std::string after, before, name = "distance", shift;
     double most = 5;
-    int threads = 0;
-    bool force = false, quiet = false;
 };
 
 Expected<DistanceOptions> distanceOptions(const DistanceArguments& arguments) {
@@ -51,15 +47,10 @@ Expected<DistanceOptions> distanceOptions(const DistanceArguments& arguments) {
                         fmt::format("--shift {}: {}", arguments.shift, shift.error()), "shift");
         options.shift = *shift;
     }
-    if (!arguments.memoryLimit.empty()) {
-        const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
-        if (!limit) return passOn(limit);
-        options.memoryLimit = *limit;
-    }
-    std::error_code error;
-    if (!arguments.force && fs::exists(options.output, error))
-        return fail(ErrorCode::InvalidArgument,
-                    fmt::format("{} is there already; --force replaces it.", arguments.output), "output");
+    const auto limit = memoryLimitOf(arguments);
+    if (!limit) return passOn(limit);
+    options.memoryLimit = *limit;
+    if (auto ok = checkOutput(arguments); !ok) return passOn(ok);
     return options;
 }
 
@@ -123,9 +114,7 @@ void addDistance(CLI::App& app, int& exitCode) {
     command->add_option("before", arguments->before, "The cloud file that they are measured to")
         ->required()
         ->type_name("BEFORE");
-    command->add_option("-o,--output", arguments->output, "The cloud file to write")
-        ->required()
-        ->type_name("FILE");
+    addOutputFlag(*command, *arguments);
     command->add_option("--name", arguments->name, "What the column is called: letters, digits, _")
         ->capture_default_str()
         ->type_name("NAME");
@@ -139,20 +128,7 @@ void addDistance(CLI::App& app, int& exitCode) {
         ->add_option("--shift", arguments->shift,
                      "Added to the coordinates of BEFORE, for epochs that are known to lie beside each other")
         ->type_name("DX,DY,DZ");
-    command
-        ->add_option(
-            "--memory-limit", arguments->memoryLimit,
-            "Memory to stay within, such as 2G. Default: half of the machine's. The file is the same "
-            "whatever the limit")
-        ->type_name("SIZE");
-    command
-        ->add_option("--threads", arguments->threads,
-                     "Number of threads; 0 = all cores. The file is the same whatever the number")
-        ->check(CLI::Range(0, 4096))
-        ->capture_default_str()
-        ->type_name("N");
-    command->add_flag("-f,--force", arguments->force, "Replace the cloud file if it exists");
-    command->add_flag("-q,--quiet", arguments->quiet, "No progress and no summary on standard error");
+    addMakingFlags(*command, *arguments);
     command->footer(distanceFooter);
     command->callback([arguments, &exitCode] {
         const auto done = runDistance(*arguments);

@@ -63,10 +63,7 @@ void addIngest(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<IngestArguments>();
     CLI::App* command =
         app.add_subcommand("ingest", "Turn scans into a cloud file, which opens instantly at any size");
-    addIngestFlags(*command, *arguments,
-                   "Memory to stay within, such as 2G. Default: half of the machine's. The file is the "
-                   "same whatever the limit",
-                   "Number of threads; 0 = all cores. The file is the same whatever the number");
+    addIngestFlags(*command, *arguments, memoryOfMaking, threadsOfMaking);
     command->footer(ingestExamples);
     command->callback([arguments, &exitCode] {
         const auto done = runIngest(*arguments);

@@ -52,15 +52,11 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments,
     options.shape.orientation = arguments.orient == "up"     ? Orientation::Up
                                 : arguments.orient == "scan" ? Orientation::Scan
                                                              : Orientation::Auto;
-    if (!arguments.memoryLimit.empty()) {
-        const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
-        if (!limit) return passOn(limit);
-        options.memoryLimit = *limit;
-    }
+    const auto limit = memoryLimitOf(arguments);
+    if (!limit) return passOn(limit);
+    options.memoryLimit = *limit;
+    if (auto ok = checkOutput(arguments); !ok) return passOn(ok);
     std::error_code error;
-    if (!arguments.force && fs::exists(options.output, error))
-        return fail(ErrorCode::InvalidArgument,
-                    fmt::format("{} is there already; --force replaces it.", arguments.output), "output");
     for (const std::string& input : files)
         if (fs::equivalent(input, options.output, error))
             return fail(ErrorCode::InvalidArgument, fmt::format("{} is both input and output.", input),
@@ -165,10 +161,7 @@ void addIngestFlags(CLI::App& command, IngestArguments& arguments, const std::st
                     "- reads LAS from standard input")
         ->required()
         ->type_name("INPUT");
-    command.add_option("-o,--output", arguments.output, "The cloud file to write")
-        ->required()
-        ->type_name("FILE");
-    command.add_option("--memory-limit", arguments.memoryLimit, memory)->type_name("SIZE");
+    addOutputFlag(command, arguments);
     command
         .add_option("--scratch", arguments.scratch,
                     "Folder for temporary files. Default: that of the cloud file")
@@ -218,12 +211,7 @@ void addIngestFlags(CLI::App& command, IngestArguments& arguments, const std::st
                     "look (scancast look prints one)")
         ->type_name("FILE");
     addImporterFlags(command, arguments.importer, false);
-    command.add_flag("-f,--force", arguments.force, "Replace the cloud file if it exists");
-    command.add_option("--threads", arguments.threads, threads)
-        ->check(CLI::Range(0, 4096))
-        ->capture_default_str()
-        ->type_name("N");
-    command.add_flag("-q,--quiet", arguments.quiet, "No progress on standard error");
+    addMakingFlags(command, arguments, memory, threads);
     addVerbose(command, arguments.verbose);
 }
 

@@ -11,17 +11,18 @@
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "server/commands/importer_flags.hpp"
+#include "server/commands/making_flags.hpp"
 
 namespace scancast {
 
-struct IngestArguments {
+struct IngestArguments : MakingFlags {
     std::vector<std::string> inputs;
-    std::string output, memoryLimit, scratch, title, attribution, recorded, look, orient = "auto";
+    std::string scratch, title, attribution, recorded, look, orient = "auto";
     ImporterFlags importer;
-    int threads = 0, neighbours = 10;
+    int neighbours = 10;
     bool recover = false;
     bool noSurfels = false, noCurvature = false, noPhotos = false, keepAttributes = false, exact = false,
-         force = false, quiet = false, verbose = false;
+         verbose = false;
 };
 
 /// `arguments` must outlive the parse. `memory`, `threads`: what is said of those two flags.

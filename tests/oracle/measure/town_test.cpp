@@ -112,6 +112,28 @@ TEST_F(MeasuredTown, SurfacesUnderClicksAreTruerThanPoints) {
     EXPECT_GT(double(within), 0.85 * double(lengths));
 }
 
+// What areas are held against is itself of one piece: of every house, the front's width is that between the corners that are picked.
+TEST_F(MeasuredTown, AFrontLiesBetweenTheFirstTwoCornersOfItsHouse) {
+    const auto all = townHouses(town(), pavementHeight);
+    EXPECT_GT(all.size(), 150U);
+    for (const TownHouse& house : all) {
+        EXPECT_NEAR(glm::distance(house.corners[0], house.corners[1]), house.width, 1e-9);
+        EXPECT_NEAR(glm::distance(house.corners[1], house.corners[2]), house.depth, 1e-9);
+        const glm::dvec3 u = house.corners[1] - house.corners[0], v = house.corners[3] - house.corners[0];
+        EXPECT_GT(u.x * v.y - u.y * v.x, 0) << "counter-clockwise";
+    }
+}
+
+// One by one: picks are up to the spacing off at either end of a side, and so are its sides.
+TEST_F(MeasuredTown, AreasOfSingleFrontsAreTrueToTheSpacing) {
+    for (const TownHouse& house : townHouses(town(), pavementHeight)) {
+        const double height = house.eaves - 0.3, off = 2 * cloud().spacing;
+        const double truth = house.width * height;
+        EXPECT_NEAR(frontArea(cloud(), house), truth, off * (house.width + height) / 2)
+            << house.width << " x " << height;
+    }
+}
+
 TEST_F(MeasuredTown, AreasOfFrontsAreTrueToAHundredth) {
     double truth = 0, measured = 0;
     for (const TownHouse& house : houses()) {

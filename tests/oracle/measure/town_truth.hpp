@@ -24,7 +24,7 @@ namespace scancast::test {
 /// A house's body without what stands on it and sticks out of it; file coordinates.
 struct TownHouse {
     std::array<glm::dvec3, 4>
-        corners;                  ///< of its footprint, counter-clockwise, at the height of the pavement
+        corners;  ///< of its footprint, counter-clockwise from the front's, at the height of the pavement
     double width = 0, depth = 0;  ///< of the front; from front to back
     double eaves = 0, ridge = 0;  ///< heights over the pavement
 
@@ -63,7 +63,11 @@ inline std::vector<TownHouse> townHouses(const RayCaster& town, double pavement)
         house.ridge = roofAt((flat[0] + flat[3]) / 2.0) - pavement;
         for (std::size_t i = 0; i < 4; ++i) house.corners[i] = town.origin() + glm::dvec3(flat[i], pavement);
         const glm::dvec2 u = flat[1] - flat[0], v = flat[3] - flat[0];
-        if (u.x * v.y - u.y * v.x < 0) std::swap(house.corners[1], house.corners[3]);
+        if (u.x * v.y - u.y * v.x < 0) {
+            // The other way round, and the front stays between the first two.
+            std::swap(house.corners[0], house.corners[1]);
+            std::swap(house.corners[2], house.corners[3]);
+        }
         houses.push_back(house);
     }
     return houses;

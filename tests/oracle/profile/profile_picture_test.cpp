@@ -10,6 +10,7 @@
 #include <set>
 
 #include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/profile/grow_dots.hpp"
 #include "renderer/residency/file_of.hpp"
 #include "tests/support/clouds/read_all.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
@@ -104,6 +105,101 @@ TEST_F(ProfilePictureTest, EachPixelShowsThePointInFrontOfIt) {
     }
     EXPECT_GT(covered, 500U);
     EXPECT_LE(wrong, covered / 1000) << "offsets closer than 2^-31 of the width may change places";
+}
+
+/// What grow_dots.hpp says, looked up among all pairs.
+TEST(ProfileDots, GrowToTheSecondNearestAndNoFarther) {
+    for (const int most : {1, 2, 5, 8})
+        for (const double share : {0.002, 0.02, 0.2, 0.8}) {
+            constexpr int width = 61, height = 43;
+            std::vector<std::uint64_t> pixels(std::size_t(width) * height);
+            struct Dot {
+                int x, y;
+                std::uint64_t value;
+            };
+            std::vector<Dot> dots;
+            for (std::uint64_t i = 0; i < pixels.size(); ++i)
+                if (test::uniform(i, 5) < share) {
+                    pixels[i] = 1 + std::uint64_t(1e6 * test::uniform(i, 6));
+                    dots.push_back({int(i) % width, int(i) / width, pixels[i]});
+                }
+            std::vector<std::uint64_t> expected(pixels.size());
+            for (std::size_t d = 0; d < dots.size(); ++d) {
+                std::vector<int> away{most, most};
+                for (std::size_t o = 0; o < dots.size(); ++o)
+                    if (o != d)
+                        away.push_back(
+                            std::max(std::abs(dots[o].x - dots[d].x), std::abs(dots[o].y - dots[d].y)));
+                std::ranges::nth_element(away, away.begin() + 1);
+                const int side = away[1], left = dots[d].x - (side - 1) / 2, top = dots[d].y - (side - 1) / 2;
+                for (int y = std::max(top, 0); y < std::min(top + side, height); ++y)
+                    for (int x = std::max(left, 0); x < std::min(left + side, width); ++x) {
+                        auto& pixel = expected[std::size_t(y) * width + std::size_t(x)];
+                        pixel = std::max(pixel, dots[d].value);
+                    }
+            }
+            growDots(pixels, width, most);
+            EXPECT_EQ(pixels, expected) << most << " " << share;
+        }
+}
+
+/// A scan of a floor and of a wall behind it, so sparse that points lie four pixels apart: in its picture the floor is a line and the wall an
+/// area. Both are to be seen as such, and nothing beyond them.
+TEST(ProfileDots, SparsePlanesAreCoveredAndNothingBeyondThem) {
+    constexpr double apart = 0.5;
+    constexpr int along = 80, up = 21;
+    const auto scan = [](std::uint64_t i, std::uint64_t) {
+        test::ScanPoint p;
+        const auto column = double(i % along), row = double(i / along);
+        // Less than a tenth of a pixel off a grid, as scanners are.
+        const double off = 0.02 * (test::uniform(i, 1) - 0.5);
+        p.position = row < up ? glm::dvec3(column * apart + off, 0.4, 1.0625 + row * apart + off)
+                              : glm::dvec3(column * apart + off, -0.4, 0);
+        p.color = {200, 100, 50};
+        return p;
+    };
+    test::SyntheticSource source(std::uint64_t(along) * (up + 1), scan, Attributes{.color = true}, 0.001);
+    const auto cloud = buildCloud(source, {.title = "wall"});
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    const auto file = fileOf(*cloud);
+    ASSERT_TRUE(file);
+    ProfileRequest request;
+    request.line = {{-0.0625, 0}, {39.9375, 0}};  // points in the middle of pixels
+    request.width = 2;
+    request.picture.width = 320;  // 8 px a unit
+    request.picture.style.background = {.kind = Background::Kind::Transparent};
+    const auto picture = [&](std::optional<int> size) {
+        request.picture.pointSize = size;
+        auto drawing = ProfileDrawing::create(**cloud, *file, request, 1'000'000);
+        EXPECT_TRUE(drawing);
+        while ((*drawing)->step().value()) {
+        }
+        return std::pair((*drawing)->frame(), (*drawing)->scale());
+    };
+    const auto [frame, scale] = picture(std::nullopt);
+    const auto covered = [&, &frame = frame, &scale = scale](double low, double high) {
+        std::size_t there = 0, all = 0;
+        for (int y = 0; y < scale.height; ++y) {
+            const double z = scale.high() - (y + 0.5) / scale.perHeight;
+            for (int x = 0; x < scale.width && z > low && z < high; ++x, ++all)
+                there +=
+                    frame.rgba[4 * (std::size_t(y) * std::size_t(scale.width) + std::size_t(x)) + 3] == 255;
+        }
+        return double(there) / double(std::max<std::size_t>(all, 1));
+    };
+    EXPECT_GT(covered(0, 0.12), 0.95) << "the floor's line";
+    EXPECT_GT(covered(1.1, 10.9), 0.95) << "the wall's area";
+    EXPECT_EQ(covered(0.4, 0.7), 0) << "between them, farther off than half of what points are apart";
+    const auto alone = picture(1).first;
+    std::size_t grown = 0, small = 0;
+    for (std::size_t p = 3; p < alone.rgba.size(); p += 4)
+        small += alone.rgba[p] == 255, grown += frame.rgba[p] == 255;
+    EXPECT_LT(small * 10, grown) << "a pixel each is a sixteenth";
+
+    // The same scan from so far away that its points lie in neighbouring pixels: as it was.
+    request.picture.width = 80;
+    const auto dense = picture(std::nullopt).first, before = picture(1).first;
+    EXPECT_TRUE(std::ranges::equal(dense.rgba, before.rgba));
 }
 
 TEST_F(ProfilePictureTest, EverythingFitsInAndTheScaleSaysWhere) {

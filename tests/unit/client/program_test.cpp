@@ -66,6 +66,48 @@ TEST_F(Program, SnapshotWritesThePicture) {
         << fake.requests().back();
 }
 
+/// Behind the URL or behind --cloud: every subcommand asks for the one that is named.
+TEST_F(Program, EverySubcommandTakesTheCloudInBothWays) {
+    const test::FakeServer fake(test::fakeLists());
+    const auto at = [&](const char* name) { return (folder_ / name).string(); };
+    std::ofstream(folder_ / "flight.json")
+        << R"({"keys": [{"time": 0, "camera": {"eye": [0, -50, 20], "target": [0, 0, 0]}}]})";
+    // What stands before the cloud, and what stands behind it.
+    const std::tuple<std::string, std::string, std::string> commands[] = {
+        {"info", "", ""},
+        {"snapshot", "", "-o " + at("a.png")},
+        {"orbit", "", "--frames 2 -o " + at("frames")},
+        {"path", at("flight.json"), "-o " + at("flight")},
+        {"bench", "", "--moving 1 --seconds 0.1"},
+        {"pick", "", "--x 1 --y 2"},
+        {"points", "", "-o " + at("a.las")},
+        {"profile", "", "--line '0,0;1,1' -o " + at("a.csv")},
+        {"measure", "distance", "--point 0,0,0 --point 3,4,0"},
+        {"map", "", "--bbox 0,0,1,1 --width 8 --height 8 -o " + at("a.png")},
+        {"lonlat", "", "--point 0,0"},
+        {"dem", "", "--cell 1 -o " + at("a.tif")},
+        {"ortho", "", "--cell 1 -o " + at("a.tif")}};
+    for (const auto& [name, before, behind] : commands) {
+        const std::string start = name + " " + fake.text() + " " + before;
+        for (const std::string& words :
+             {" castle " + behind, " " + behind + " castle", " --cloud castle " + behind}) {
+            const auto outcome = run(start + words);
+            EXPECT_EQ(outcome.exitCode, 1) << name << words << ": " << outcome.output;
+            EXPECT_NE(fake.requests().back().find("/clouds/castle"), std::string::npos)
+                << name << words << ": " << fake.requests().back();
+        }
+        EXPECT_EQ(run(start + " castle --cloud town " + behind).exitCode, 2) << name;
+    }
+    for (const char* name : {"info", "snapshot", "orbit", "path", "bench", "pick", "points", "profile",
+                             "measure", "map", "lonlat", "dem", "ortho", "view"}) {
+        const auto help = run(std::string(name) + " --help").output;
+        for (const char* word : {"CLOUD ID", "--cloud ID", "with the flag or without", "Example"})
+            EXPECT_NE(help.find(word), std::string::npos) << name << ": " << word;
+    }
+    const auto both = run("path " + fake.text() + " --project tour.json castle -o " + at("flight"));
+    EXPECT_NE(both.output.find("if castle is a cloud, say --cloud castle"), std::string::npos) << both.output;
+}
+
 TEST_F(Program, ErrorsAreSentencesAndExitCodeOne) {
     const auto nobody = "http://" + test::nobodysUrl().authority();
     for (const auto& [arguments, sentence] : std::vector<std::pair<std::string, std::string>>{

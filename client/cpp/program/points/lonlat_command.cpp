@@ -10,8 +10,8 @@ namespace scancast::client {
 namespace {
 
 struct LonLatFlags {
-    ServerFlags server;
-    std::string cloud, to = "lonlat";
+    CloudFlags cloud;
+    std::string to = "lonlat";
     std::vector<std::string> points;
 };
 
@@ -35,11 +35,9 @@ Expected<void> run(const LonLatFlags& flags) {
     request.toFile = flags.to == "file";
     for (const std::string& point : flags.points)
         if (const auto place = placeIn(point)) request.points.push_back(*place);
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto cloud = chooseCloud(*server, flags.cloud);
+    const auto cloud = flags.cloud.choose();
     if (!cloud) return passOn(cloud);
-    const auto places = server->lonLat(*cloud, request);
+    const auto places = cloud->server.lonLat(cloud->id, request);
     if (!places) return passOn(places);
     for (const auto& place : *places) {
         if (place)
@@ -56,8 +54,7 @@ void addLonLat(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<LonLatFlags>();
     auto& command =
         *app.add_subcommand("lonlat", "Tell longitudes and latitudes of places, or the other way round");
-    flags->server.addTo(command);
-    command.add_option("CLOUD", flags->cloud, "ID of the cloud. Default: the server's first one");
+    flags->cloud.addTo(command);
     command
         .add_option("--point", flags->points,
                     "A place: X,Y in file coordinates, or, with --to file, longitude and latitude in "

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/program/picture_file.hpp"
 #include "client/cpp/program/say.hpp"
 #include "protocol/flags/view_flags.hpp"
 #include "protocol/view/view_words.hpp"
@@ -11,17 +12,13 @@ namespace scancast::client {
 namespace {
 
 struct MapFlags {
-    ServerFlags server;
+    CloudFlags cloud;
     ViewFlags view;
-    std::string cloud, output;
+    std::string output;
     MapArea area;
     std::vector<double> box;
     bool opaque = false;
 };
-
-bool isJpeg(const std::string& name) {
-    return name.ends_with(".jpg") || name.ends_with(".jpeg");
-}
 
 /// A map has its size, and no camera.
 bool isOfMaps(const ViewWord& word) {
@@ -29,21 +26,20 @@ bool isOfMaps(const ViewWord& word) {
 }
 
 Expected<void> run(const MapFlags& flags) {
+    const auto format = pictureFormatOf(flags.output);  // sound: the flag's check has said so
+    if (!format) return passOn(format);
     const auto words = flags.view.words();
     if (!words) return passOn(words);
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto cloud = chooseCloud(*server, flags.cloud);
+    const auto cloud = flags.cloud.choose();
     if (!cloud) return passOn(cloud);
     MapArea area = flags.area;
     std::copy_n(flags.box.begin(), area.box.size(), area.box.begin());
     area.transparent = !flags.opaque;
-    const auto format = isJpeg(flags.output) ? PictureFormat::Jpeg : PictureFormat::Png;
-    const auto map = server->map(*cloud, area, *words, format);
+    const auto map = cloud->server.map(cloud->id, area, *words, *format);
     if (!map) return passOn(map);
     if (auto ok = writeFile(flags.output, map->bytes); !ok) return ok;
-    sayOn(stdout, "%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), map->bytes.size(), cloud->c_str(),
-          map->etag.c_str());
+    sayOn(stdout, "%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), map->bytes.size(),
+          cloud->id.c_str(), map->etag.c_str());
     return {};
 }
 
@@ -53,18 +49,8 @@ void addMap(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<MapFlags>();
     auto& command =
         *app.add_subcommand("map", "Fetch a map: the cloud from straight above, in any coordinates");
-    flags->server.addTo(command);
-    command
-        .add_option("-o,--output", flags->output, "The map to write: JPEG or PNG, by the ending of its name")
-        ->type_name("FILE.png|FILE.jpg")
-        ->check([](const std::string& name) {
-            return isJpeg(name) || name.ends_with(".png")
-                       ? std::string()
-                       : "the name " + name + " does not end in .png or .jpg";
-        })
-        ->required();
-    command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
-        ->type_name("ID");
+    flags->cloud.addTo(command);
+    addPictureFile(command, flags->output, "map");
     command
         .add_option("--crs", flags->area.crs,
                     "What the map is in: file, the cloud's own coordinates, EPSG:3857, CRS:84, or the number "
@@ -88,7 +74,7 @@ void addMap(CLI::App& app, int& exitCode) {
     flags->view.addTo(command, isOfMaps);
     command.footer(
         "Method, colours, what is cut away and the like are words of a view. Example:\n"
-        "  scancast-client map http://127.0.0.1:8080/ --cloud town --bbox 389400,5819700,389600,5819900 "
+        "  scancast-client map http://127.0.0.1:8080/ town --bbox 389400,5819700,389600,5819900 "
         "--width 1000 --height 1000 --color elevation -o town.png");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

@@ -14,8 +14,8 @@ namespace scancast::client {
 namespace {
 
 struct MeasureFlags {
-    ServerFlags server;
-    std::string what, cloud, base, axis, clip;
+    CloudFlags cloud;
+    std::string what, base, axis, clip;
     std::string surface = std::string(volumeSurfaceNames[0]);
     std::vector<std::string> points;
     std::vector<int> classes;
@@ -73,11 +73,9 @@ Expected<void> run(const MeasureFlags& flags) {
     // The protocol's own reader judges it, before anybody is asked.
     const auto request = parseMeasureRequest(printJson(bodyOf(flags)));
     if (!request) return passOn(request);
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto cloud = chooseCloud(*server, flags.cloud);
+    const auto cloud = flags.cloud.choose();
     if (!cloud) return passOn(cloud);
-    const auto measured = server->measure(*cloud, *request);
+    const auto measured = cloud->server.measure(cloud->id, *request);
     if (!measured) return passOn(measured);
     if (flags.json)
         sayOn(stdout, "%s\n", printJson(*measured).c_str());
@@ -92,11 +90,11 @@ void addMeasure(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<MeasureFlags>();
     auto& command =
         *app.add_subcommand("measure", "Measure lengths, angles, areas, volumes, planes and round things");
-    flags->server.addTo(command);
+    flags->cloud.server.addTo(command);
     command.add_option("WHAT", flags->what, "What is measured")
         ->check(CLI::IsMember(std::vector<std::string>(measureNames.begin(), measureNames.end())))
         ->required();
-    command.add_option("CLOUD", flags->cloud, "ID of the cloud. Default: the server's first one");
+    flags->cloud.addCloudTo(command);
     command
         .add_option("--point", flags->points,
                     "A vertex, a corner or a picked point, in file coordinates; may be repeated. Of a volume "
@@ -138,6 +136,7 @@ void addMeasure(CLI::App& app, int& exitCode) {
         .add_option("--classes", flags->classes, "Of volumes and fits: points of these classifications only")
         ->type_name("N,N,...")
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->check(CLI::Range(0, 255));
     command.add_option("--clip", flags->clip, "The same: points in this box only")
         ->type_name("X0,Y0,Z0,X1,Y1,Z1")

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cpp/program/command.hpp"
-#include "client/cpp/program/say.hpp"
 #include "client/cpp/program/points/say_values.hpp"
+#include "client/cpp/program/say.hpp"
 #include "protocol/flags/view_flags.hpp"
 #include "protocol/json_text.hpp"
 #include "protocol/view/view_json.hpp"
@@ -14,9 +14,8 @@ namespace scancast::client {
 namespace {
 
 struct PickFlags {
-    ServerFlags server;
+    CloudFlags cloud;
     ViewFlags view;
-    std::string cloud;
     double x = 0, y = 0;
     bool json = false;
 };
@@ -34,19 +33,17 @@ nlohmann::json saidOf(const View& base, const View& view) {
 Expected<void> run(const PickFlags& flags) {
     const auto words = flags.view.words();
     if (!words) return passOn(words);
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto id = chooseCloud(*server, flags.cloud);
-    if (!id) return passOn(id);
+    const auto from = flags.cloud.choose();
+    if (!from) return passOn(from);
     nlohmann::json said = nlohmann::json::object();
     if (!words->empty()) {
-        const auto cloud = server->cloud(*id);
+        const auto cloud = from->info();
         if (!cloud) return passOn(cloud);
         const auto view = applyWords(cloud->view, *words);
         if (!view) return passOn(view);
         said = saidOf(cloud->view, *view);
     }
-    const auto point = server->pick(*id, said, flags.x, flags.y);
+    const auto point = from->server.pick(from->id, said, flags.x, flags.y);
     if (!point) return passOn(point);
     if (flags.json) {
         sayOn(stdout, "%s\n", printJson(*point).c_str());
@@ -63,8 +60,7 @@ Expected<void> run(const PickFlags& flags) {
 void addPick(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<PickFlags>();
     auto& command = *app.add_subcommand("pick", "Tell the scan's point that a pixel of a picture shows");
-    flags->server.addTo(command);
-    command.add_option("CLOUD", flags->cloud, "ID of the cloud. Default: the server's first one");
+    flags->cloud.addTo(command);
     command.add_option("--x", flags->x, "Pixels from the left edge of the picture")
         ->type_name("PIXELS")
         ->required();

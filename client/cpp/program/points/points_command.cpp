@@ -7,9 +7,9 @@ namespace scancast::client {
 namespace {
 
 struct PointsFlags {
-    ServerFlags server;
+    CloudFlags cloud;
     RegionFlags region;
-    std::string cloud, output, format;
+    std::string output, format;
     bool normals = false;
 };
 
@@ -20,14 +20,12 @@ Expected<void> run(const PointsFlags& flags) {
         return fail(ErrorCode::InvalidArgument, "points are no picture; scancast-client snapshot draws one");
     auto region = flags.region.region();
     if (!region) return passOn(region);
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto cloud = chooseCloud(*server, flags.cloud);
+    const auto cloud = flags.cloud.choose();
     if (!cloud) return passOn(cloud);
     auto file = OutputFile::create(flags.output);
     if (!file) return passOn(file);
     const PointsRequest request{**format, std::move(*region), flags.normals};
-    const auto answer = server->points(*cloud, request, into(*file));
+    const auto answer = cloud->server.points(cloud->id, request, into(*file));
     if (!answer) return passOn(answer);
     if (auto ok = file->finish(); !ok) return ok;
     tellOfPoints(flags.output, *answer);
@@ -39,7 +37,7 @@ Expected<void> run(const PointsFlags& flags) {
 void addPoints(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<PointsFlags>();
     auto& command = *app.add_subcommand("points", "Fetch the points of a cloud, or of a part of it");
-    flags->server.addTo(command);
+    flags->cloud.addTo(command);
     command
         .add_option("-o,--output", flags->output,
                     "The file to write: LAS (.las), PLY (.ply), CSV (.csv) or text (.txt, .xyz); - for "
@@ -49,8 +47,6 @@ void addPoints(CLI::App& app, int& exitCode) {
     command.add_option("--format", flags->format, "Default: what the file's name says")
         ->check(CLI::IsMember({"las", "ply", "csv", "txt"}))
         ->type_name("las|ply|csv|txt");
-    command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
-        ->type_name("ID");
     flags->region.addTo(command);
     command.add_flag("--normals", flags->normals,
                      "Also the normals that were estimated; a scan's own always come");
@@ -60,7 +56,7 @@ void addPoints(CLI::App& app, int& exitCode) {
         "end. The file is there when it is whole, or not at all.\n"
         "Examples:\n"
         "  scancast-client points http://127.0.0.1:8080/ -o town.las\n"
-        "  scancast-client points http://127.0.0.1:8080/ --cloud town --classes 6 --clip "
+        "  scancast-client points http://127.0.0.1:8080/ town --classes 6 --clip "
         "389400,5819700,40,389500,5819800,90 -o roofs.ply\n"
         "  scancast-client points http://127.0.0.1:8080/ --polygon "
         "'389400,5819700;389500,5819720;389480,5819800' "

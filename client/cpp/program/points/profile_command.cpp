@@ -11,11 +11,11 @@ namespace scancast::client {
 namespace {
 
 struct ProfileFlags {
-    ServerFlags server;
+    CloudFlags cloud;
     RegionFlags region;
-    std::string cloud, output, format, line, color, colormap, background;
+    std::string output, format, line, color, colormap, background;
     double width = 1, exaggeration = 0;
-    int pictureWidth = 1600, pictureHeight = 0, pointSize = 1;
+    int pictureWidth = 1600, pictureHeight = 0, pointSize = 0;
     bool normals = false;
 };
 
@@ -36,7 +36,7 @@ Expected<ProfileRequest> requestOf(const ProfileFlags& flags) {
     request.picture.width = flags.pictureWidth;
     if (flags.pictureHeight > 0) request.picture.height = flags.pictureHeight;
     if (flags.exaggeration > 0) request.picture.exaggeration = flags.exaggeration;
-    request.picture.pointSize = flags.pointSize;
+    if (flags.pointSize > 0) request.picture.pointSize = flags.pointSize;
     View view;
     for (const auto& [word, text] : {std::pair("color", &flags.color), std::pair("colormap", &flags.colormap),
                                      std::pair("background", &flags.background)})
@@ -49,14 +49,12 @@ Expected<ProfileRequest> requestOf(const ProfileFlags& flags) {
 Expected<void> run(const ProfileFlags& flags) {
     const auto request = requestOf(flags);
     if (!request) return passOn(request);
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto cloud = chooseCloud(*server, flags.cloud);
+    const auto cloud = flags.cloud.choose();
     if (!cloud) return passOn(cloud);
     auto file = OutputFile::create(flags.output);
     if (!file) return passOn(file);
     if (!request->format) {
-        const auto facts = server->profilePicture(*cloud, *request, into(*file));
+        const auto facts = cloud->server.profilePicture(cloud->id, *request, into(*file));
         if (!facts) return passOn(facts);
         if (auto ok = file->finish(); !ok) return ok;
         sayOn(stderr, "%s: %llu points, station %g to %g, height %g to %g\n",
@@ -65,7 +63,7 @@ Expected<void> run(const ProfileFlags& flags) {
               facts->top);
         return {};
     }
-    const auto answer = server->profile(*cloud, *request, into(*file));
+    const auto answer = cloud->server.profile(cloud->id, *request, into(*file));
     if (!answer) return passOn(answer);
     if (auto ok = file->finish(); !ok) return ok;
     tellOfPoints(flags.output, *answer);
@@ -86,10 +84,11 @@ void addPictureFlags(CLI::App& command, ProfileFlags& flags) {
                     "picture's height")
         ->check(CLI::Range(0.001, 1000.0))
         ->type_name("TIMES");
-    command.add_option("--point-size", flags.pointSize, "Side of a point's square, px")
+    command
+        .add_option("--point-size", flags.pointSize,
+                    "Side of a point's square, px. Default: 1, or as far as points lie apart, 8 at the most")
         ->check(CLI::Range(1, mostProfilePointSize))
-        ->type_name("PX")
-        ->capture_default_str();
+        ->type_name("PX");
     for (const auto& [word, to] : {std::pair("color", &flags.color), std::pair("colormap", &flags.colormap),
                                    std::pair("background", &flags.background)})
         command.add_option("--" + std::string(word), *to, "Of the picture, as for snapshot")
@@ -102,7 +101,7 @@ void addProfile(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<ProfileFlags>();
     auto& command =
         *app.add_subcommand("profile", "Fetch the points along a line in plan, or a picture of them");
-    flags->server.addTo(command);
+    flags->cloud.addTo(command);
     command.add_option("--line", flags->line, "Corners of the line, in the file's coordinates")
         ->type_name("X,Y;X,Y;...")
         ->required();
@@ -119,8 +118,6 @@ void addProfile(CLI::App& app, int& exitCode) {
     command.add_option("--format", flags->format, "Default: what the file's name says")
         ->check(CLI::IsMember({"las", "ply", "csv", "txt", "png"}))
         ->type_name("las|ply|csv|txt|png");
-    command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
-        ->type_name("ID");
     flags->region.addTo(command);
     command.add_flag("--normals", flags->normals,
                      "Also the normals that were estimated; a scan's own always come");
@@ -132,7 +129,7 @@ void addProfile(CLI::App& app, int& exitCode) {
         "Examples:\n"
         "  scancast-client profile http://127.0.0.1:8080/ --line '389400,5819700;389500,5819800' --width 0.5 "
         "-o street.csv\n"
-        "  scancast-client profile http://127.0.0.1:8080/ --cloud town --line "
+        "  scancast-client profile http://127.0.0.1:8080/ town --line "
         "'389400,5819700;389500,5819800' "
         "--exaggeration 2 --color classification -o street.png");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });

@@ -11,21 +11,19 @@ namespace {
 
 struct RasterCommand {
     explicit RasterCommand(RasterKind kind) : words(kind) {}
-    ServerFlags server;
+    CloudFlags cloud;
     RasterFlags words;
-    std::string cloud, output;
+    std::string output;
 };
 
 Expected<void> runRaster(const RasterCommand& flags) {
     const auto request = flags.words.request();
     if (!request) return passOn(request);
-    const auto server = flags.server.server();
-    if (!server) return passOn(server);
-    const auto cloud = chooseCloud(*server, flags.cloud);
+    const auto cloud = flags.cloud.choose();
     if (!cloud) return passOn(cloud);
     auto file = OutputFile::create(flags.output);
     if (!file) return passOn(file);
-    const auto facts = server->raster(*cloud, *request, into(*file));
+    const auto facts = cloud->server.raster(cloud->id, *request, into(*file));
     if (!facts) return passOn(facts);
     if (auto ok = file->finish(); !ok) return ok;
     sayOn(stderr, "%s: %llu x %llu cells of %g from x %.12g, y %.12g, %llu bytes\n",
@@ -39,12 +37,10 @@ void addRaster(CLI::App& app, int& exitCode, RasterKind kind, const char* name, 
                const char* footer) {
     const auto flags = std::make_shared<RasterCommand>(kind);
     auto& command = *app.add_subcommand(name, what);
-    flags->server.addTo(command);
+    flags->cloud.addTo(command);
     command.add_option("-o,--output", flags->output, "The GeoTIFF to write; - for standard output")
         ->type_name("FILE.tif")
         ->required();
-    command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
-        ->type_name("ID");
     flags->words.addTo(command);
     command.footer(footer);
     command.callback([flags, &exitCode] { exitCode = report(runRaster(*flags)); });
@@ -58,13 +54,13 @@ void addRasters(CLI::App& app, int& exitCode) {
               "server has all of it.\n"
               "Examples:\n"
               "  scancast-client dem http://127.0.0.1:8080/ --cell 0.5 -o town.tif\n"
-              "  scancast-client dem http://127.0.0.1:8080/ --cloud town --classes 2 --value mean --fill 4 "
+              "  scancast-client dem http://127.0.0.1:8080/ town --classes 2 --value mean --fill 4 "
               "-o ground.tif\n");
     addRaster(app, exitCode, RasterKind::Orthophoto, "ortho", "Fetch an orthophoto, as a GeoTIFF",
               "Drawn from straight above, by any method and in any colour; transparent where nothing is.\n"
               "Examples:\n"
               "  scancast-client ortho http://127.0.0.1:8080/ --cell 0.1 -o town.tif\n"
-              "  scancast-client ortho http://127.0.0.1:8080/ --cloud town --bbox "
+              "  scancast-client ortho http://127.0.0.1:8080/ town --bbox "
               "389400,5819700,389500,5819800 --color "
               "elevation -o part.tif\n");
 }

@@ -37,6 +37,7 @@ set(SCANCAST_WEB_FILES
     measure/checks.js
     measure/coordinates.js
     measure/draft.js
+    measure/drawing.js
     measure/export.js
     measure/files.js
     measure/fits.js
@@ -105,6 +106,7 @@ set(SCANCAST_WEB_FILES
     page/strings/views.js
     page/themes.js
     page/thumbnails.js
+    page/tool_card.js
     page/tools.js
     picture/file_name.js
     picture/furniture.js

@@ -18,12 +18,11 @@ export class NoteList {
   #said; // what show() was told last
   #edited; // id of the note in whose fields the focus is: while it goes from one to the next, nothing has it
 
-  /** `does`: select(id or undefined), again(id), zoom(id), remove(id), close(), save(), open(). */
+  /** `does`: select(id or undefined), again(id), zoom(id), remove(id), save(), open(). */
   constructor(notes, does) {
     this.#notes = notes;
     this.#does = does;
     const on = (id, act) => find(id).addEventListener('click', act);
-    on('close-annotating', () => does.close());
     on('note-undo', () => notes.undo());
     on('note-redo', () => notes.redo());
     on('note-save-project', () => does.save());

@@ -4,10 +4,10 @@
 import { counted } from '../page/strings.js';
 import { focusOn, keyed } from '../page/entries.js';
 import { icon } from '../page/icons.js';
-import { putCard } from '../page/lazy_tools.js';
 import { itself, membersOf, wordOf } from '../page/members.js';
 import { element } from '../page/parameter_fields.js';
 import { together as words } from '../page/strings/together.js';
+import { ToolCard } from '../page/tool_card.js';
 import { mostMembers } from '../protocol/view_words.js';
 import { card } from './card.js';
 
@@ -42,10 +42,8 @@ export function othersOf(own, shown, { clouds, pending = [] }, search = '') {
 /** A coordinate of a shift, one step on; without the dust of binary fractions. Pure. */
 export const stepped = (value, step) => Number((value + step).toPrecision(12));
 
-export class Together {
+export class Together extends ToolCard {
   #viewer;
-  #active;
-  #isActive = false;
   #open; // the cloud whose shift is open
   #step = 0.1;
   #rows = new Map(); // cloud → { node, show(member) }
@@ -54,32 +52,18 @@ export class Together {
 
   /** `active(isActive)` hears of it. */
   constructor(viewer, active) {
+    super({ card, words, active });
     this.#viewer = viewer;
-    this.#active = active;
-    putCard(card, words);
     viewer.addEventListener('view', ({ detail }) => detail.by !== 'hand' && this.#show());
     for (const name of ['cloud', 'clouds']) viewer.addEventListener(name, () => this.#show());
     const on = (id, act) => find(id).addEventListener('click', act);
-    on('close-together', () => this.activate(false));
     on('together-fit', () => viewer.showStandardView('fit'));
     on('together-none', () => this.#put([]));
     on('together-color', () => viewer.changeStyle({ color: viewer.view.color === 'cloud' ? 'auto' : 'cloud', range: null }));
     find('together-search').addEventListener('input', () => this.#showOthers());
-    addEventListener('keydown', (event) => {
-      if (event.key === 'Escape' && this.#isActive && !event.defaultPrevented && !document.querySelector('dialog[open]')) this.activate(false);
-    });
   }
 
-  get isActive() { return this.#isActive; }
-
-  activate(isActive = !this.#isActive) {
-    if (isActive === this.#isActive) return;
-    this.#isActive = isActive;
-    find('together').hidden = !isActive;
-    this.#active(isActive);
-    this.#show();
-    if (!isActive) find('picture').focus({ preventScroll: true, focusVisible: false });
-  }
+  opened() { this.#show(); }
 
   get #members() {
     const { view, cloud, catalog } = this.#viewer;
@@ -102,7 +86,7 @@ export class Together {
   }
 
   #show() {
-    if (!this.#isActive || !this.#viewer.cloud) return;
+    if (!this.isActive || !this.#viewer.cloud) return;
     const members = this.#members;
     const listed = JSON.stringify([this.#viewer.cloud.id, members.map(({ cloud, name }) => [cloud, name]), this.#open]);
     if (listed !== this.#listed) {

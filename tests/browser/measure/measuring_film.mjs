@@ -63,8 +63,6 @@ const drag = async (to, steps = 16) => {
   await take(4);
 };
 const middleOf = async (selector) => {
-  // What has been measured scrolls the kinds away, beneath the panel's head.
-  await page.locator(selector).first().evaluate((node) => node.scrollIntoView({ block: 'center' }));
   const { x, y, width, height } = await page.locator(selector).first().boundingBox();
   return { x: x + width / 2, y: y + height / 2 };
 };

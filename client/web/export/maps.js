@@ -78,7 +78,9 @@ export class Maps {
     const addresses = addressesOf(server.origin, cloud.id, wordsFor(view, cloud.view, styleKeys.filter((key) => !notOfMaps.includes(key))));
     for (const [name, address] of Object.entries(addresses)) find(`map-${name}`).value = address;
     find('map-token').hidden = !server.access.hasToken;
-    find('map-web').hidden = Boolean(cloud.crsEpsg || cloud.crsWkt || cloud.crs);
+    const isKnown = Boolean(cloud.crsEpsg || cloud.crsWkt || cloud.crs);
+    find('map-web').hidden = isKnown;
+    for (const node of [find('map-tiles').parentElement, find('map-tiles').parentElement.previousElementSibling]) node.hidden = !isKnown;
     this.#cell = usualCell(cloud);
     this.#field.show(this.#cell);
     find('raster-unit').textContent = unitName(cloud.crsUnit);

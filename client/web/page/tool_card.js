@@ -36,7 +36,11 @@ export class ToolCard {
     }
     this.#active(isActive);
     this.opened(isActive);
-    if (isActive) return;
+    if (isActive) {
+      // Who goes by keys, and pressed its button, is in it; by its letter, he is on the picture, and stays there.
+      if (document.activeElement?.matches('#rail :focus-visible')) this.#card.querySelector('header button').focus();
+      return;
+    }
     document.body.classList.remove('aiming');
     find('picture').focus({ preventScroll: true, focusVisible: false });
   }

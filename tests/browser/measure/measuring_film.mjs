@@ -47,13 +47,25 @@ const go = async (to, steps = 8) => {
     await take();
   }
 };
-const click = async (to) => {
-  await go(to);
+let picked = 0; // points that the server has found
+page.on('response', (response) => { if (response.url().endsWith('/pick')) picked += 1; });
+const press = async () => {
   await page.mouse.down();
   await page.mouse.up();
-  await page.waitForTimeout(900); // until the server has found the point
+};
+/** `finds`: the click is on the scan, and the server is to find the point. */
+const click = async (to, { finds = false } = {}) => {
+  await go(to);
+  const before = picked;
+  await press();
+  for (let waited = 0; finds && picked === before; waited += 50) {
+    if (waited > 30_000) throw new Error(`The server found no point for the click at ${to.x}, ${to.y}.`);
+    await page.waitForTimeout(50);
+  }
+  await page.waitForTimeout(finds ? 150 : 300);
   await take(3);
 };
+const pick = (to) => click(to, { finds: true });
 const drag = async (to, steps = 16) => {
   await page.mouse.down();
   await go(to, steps);
@@ -79,7 +91,7 @@ await waitUntilSharp(page, 60_000);
 await take(8);
 await click(await middleOf('#tool-measure'));
 await page.waitForSelector('#measuring', { state: 'visible' }); // it is loaded when it is first used
-for (const place of [{ x: 560, y: 520 }, { x: 720, y: 430 }, { x: 840, y: 520 }]) await click(place);
+for (const place of [{ x: 560, y: 520 }, { x: 720, y: 430 }, { x: 840, y: 520 }]) await pick(place);
 await page.keyboard.press('Enter');
 await take(6);
 await go({ x: 800, y: 360 });
@@ -91,9 +103,9 @@ await page.waitForTimeout(800);
 await waitUntilSharp(page, 60_000);
 await take(4);
 await kind('height');
-for (const place of [{ x: 620, y: 300 }, { x: 622, y: 220 }]) await click(place);
+for (const place of [{ x: 620, y: 300 }, { x: 622, y: 220 }]) await pick(place);
 await kind('area');
-for (const place of [{ x: 580, y: 580 }, { x: 760, y: 580 }, { x: 745, y: 548 }, { x: 600, y: 548 }]) await click(place);
+for (const place of [{ x: 580, y: 580 }, { x: 760, y: 580 }, { x: 745, y: 548 }, { x: 600, y: 548 }]) await pick(place);
 await page.keyboard.press('Enter');
 await take(10);
 await page.keyboard.press('Control+z');
@@ -104,7 +116,7 @@ await take(12);
 // A profile: the line, what the server finds along it, a measurement there, nearer.
 await click(await middleOf('#tool-profile'));
 await page.waitForSelector('#profiling', { state: 'visible' });
-for (const place of [{ x: 540, y: 420 }, { x: 700, y: 520 }, { x: 860, y: 430 }]) await click(place);
+for (const place of [{ x: 540, y: 420 }, { x: 700, y: 520 }, { x: 860, y: 430 }]) await pick(place);
 await page.keyboard.press('Enter');
 await page.waitForFunction(() => document.getElementById('profile-said').textContent !== '', undefined, { timeout: 30_000 });
 await page.waitForTimeout(1500);

@@ -16,6 +16,7 @@ const find = (id) => document.getElementById(id);
 const axes = ['X', 'Y', 'Z'];
 const stepsFor = ({ crsUnit }) => [0.001, 0.01, 0.1, 1, 10].map((step) => (crsUnit === 'degree' ? step / 1e5 : step));
 const mostListed = 30;
+const byShapes = 'eyedome';
 const searchedFrom = 8; // so many others are found without
 
 /** Why a cloud cannot be shown together with this one; '' where it can. Pure. */
@@ -49,6 +50,7 @@ export class Together extends ToolCard {
   #rows = new Map(); // cloud → { node, show(member) }
   #listed = ''; // what the rows are of
   #offered = '';
+  #isLit = false; // because it is coloured by cloud
 
   /** `active(isActive)` hears of it. */
   constructor(viewer, active) {
@@ -59,7 +61,7 @@ export class Together extends ToolCard {
     const on = (id, act) => find(id).addEventListener('click', act);
     on('together-fit', () => viewer.showStandardView('fit'));
     on('together-none', () => this.#put([]));
-    on('together-color', () => viewer.changeStyle({ color: viewer.view.color === 'cloud' ? 'auto' : 'cloud', range: null }));
+    on('together-color', () => viewer.changeStyle(this.#colours(viewer.view.color !== 'cloud')));
     find('together-search').addEventListener('input', () => this.#showOthers());
   }
 
@@ -72,9 +74,16 @@ export class Together extends ToolCard {
 
   #put(members) {
     const word = wordOf(members);
-    const { color } = this.#viewer.view;
-    // Colours that tell clouds apart mean nothing of one alone.
-    this.#viewer.changeStyle({ with: word, ...(word || color !== 'cloud' ? {} : { color: 'auto' }) });
+    const isMeant = word !== null || this.#viewer.view.color !== 'cloud'; // colours that tell clouds apart mean nothing of one alone
+    this.#viewer.changeStyle({ with: word, ...(isMeant ? {} : this.#colours(false)) });
+  }
+
+  /** Each in a colour of its own, or not: that alone shows no shapes, so it is lit by them, unless somebody chose how. */
+  #colours(byCloud) {
+    const { shading } = this.#viewer.view;
+    const isOurs = byCloud ? (shading ?? 'auto') === 'auto' : this.#isLit && shading === byShapes;
+    this.#isLit = byCloud && isOurs;
+    return { color: byCloud ? 'cloud' : 'auto', range: null, ...(isOurs ? { shading: byCloud ? byShapes : null } : {}) };
   }
 
   #change(cloud, changes) {

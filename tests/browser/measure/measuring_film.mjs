@@ -1,9 +1,10 @@
 // A small film of somebody who measures, and draws a profile: the page driven by a mouse that one sees, a picture for every step, joined by ffmpeg.
 //
-//   scancast serve town.scan &
+//   scancast generate town --points 5M -o town.las && scancast ingest town.las -o town.scan && scancast serve town.scan &
 //   node tests/browser/measure/measuring_film.mjs http://127.0.0.1:8080/ measuring.mp4 [CLOUD]
 //
-// Pictures are taken as fast as this machine can and shown at 12 a second, so the film's time is not the page's.
+// Pictures are taken as fast as this machine can and shown at 12 a second, so the film's time is not the page's. Where is clicked is right for that town: the
+// church's tower, a roof, a street.
 
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, rmSync } from 'node:fs';
@@ -91,23 +92,38 @@ await waitUntilSharp(page, 60_000);
 await take(8);
 await click(await middleOf('#tool-measure'));
 await page.waitForSelector('#measuring', { state: 'visible' }); // it is loaded when it is first used
-for (const place of [{ x: 560, y: 520 }, { x: 720, y: 430 }, { x: 840, y: 520 }]) await pick(place);
+const near = 'eye=389500,5819655,100&target=389500,5819765,36&up=0,0,1&projection=perspective&fov=45';
+const look = async () => {
+  await page.evaluate((hash) => { location.hash = hash; }, `#cloud=${cloud}&${near}`);
+  for (let i = 0; i < 4; ++i) {
+    await page.waitForTimeout(60);
+    await take();
+  }
+  await page.waitForTimeout(500);
+  await waitUntilSharp(page, 60_000);
+  await take(6);
+};
+await look();
+/** How many have been measured; the newest one's words. */
+const measured = async (count) => {
+  await page.waitForFunction((wanted) => document.querySelectorAll('#measure-list .name').length === wanted, count);
+  await take(8);
+};
+for (const place of [{ x: 891, y: 534 }, { x: 844, y: 387 }, { x: 799, y: 300 }]) await pick(place);
 await page.keyboard.press('Enter');
-await take(6);
+await measured(1);
 await go({ x: 800, y: 360 });
 await drag({ x: 600, y: 330 }, 24);
 await go({ x: 620, y: 250 });
 await drag({ x: 820, y: 280 }, 24);
-await page.keyboard.press('Home'); // as at the beginning
-await page.waitForTimeout(800);
-await waitUntilSharp(page, 60_000);
-await take(4);
+await look(); // as before
 await kind('height');
-for (const place of [{ x: 620, y: 300 }, { x: 622, y: 220 }]) await pick(place);
+for (const place of [{ x: 639, y: 211 }, { x: 640, y: 82 }]) await pick(place);
+await measured(2);
 await kind('area');
-for (const place of [{ x: 580, y: 580 }, { x: 760, y: 580 }, { x: 745, y: 548 }, { x: 600, y: 548 }]) await pick(place);
+for (const place of [{ x: 603, y: 573 }, { x: 727, y: 568 }, { x: 733, y: 628 }, { x: 588, y: 633 }]) await pick(place);
 await page.keyboard.press('Enter');
-await take(10);
+await measured(3);
 await page.keyboard.press('Control+z');
 await take(5);
 await page.keyboard.press('Control+Shift+z');
@@ -116,7 +132,7 @@ await take(12);
 // A profile: the line, what the server finds along it, a measurement there, nearer.
 await click(await middleOf('#tool-profile'));
 await page.waitForSelector('#profiling', { state: 'visible' });
-for (const place of [{ x: 540, y: 420 }, { x: 700, y: 520 }, { x: 860, y: 430 }]) await pick(place);
+for (const place of [{ x: 603, y: 372 }, { x: 776, y: 521 }, { x: 963, y: 410 }]) await pick(place);
 await page.keyboard.press('Enter');
 await page.waitForFunction(() => document.getElementById('profile-said').textContent !== '', undefined, { timeout: 30_000 });
 await page.waitForTimeout(1500);

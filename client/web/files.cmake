@@ -58,12 +58,13 @@ set(SCANCAST_WEB_FILES
     measure/values.js
     measure/zoom.js
     page/choices.js
+    page/cards/entries.js
+    page/cards/tool_card.js
     page/chosen_method.js
     page/colour_choice.js
     page/columns.js
     page/controls.js
     page/cover.js
-    page/entries.js
     page/galleries.js
     page/history.js
     page/hud.js
@@ -106,7 +107,6 @@ set(SCANCAST_WEB_FILES
     page/strings/views.js
     page/themes.js
     page/thumbnails.js
-    page/tool_card.js
     page/tools.js
     picture/file_name.js
     picture/furniture.js

@@ -8,7 +8,7 @@ import { pickOr } from '../measure/picking.js';
 import { zoomTo } from '../measure/zoom.js';
 import { element } from '../page/parameter_fields.js';
 import { annotate as words } from '../page/strings/annotate.js';
-import { ToolCard } from '../page/tool_card.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { card } from './card.js';
 import { NoteList } from './note_list.js';
 import { mostNotes, pointOf } from './notes.js';

@@ -1,7 +1,7 @@
 // The list of notes in their card: titles, texts and links as fields, so that keys and screen readers reach all of it.
 
 import { placeText } from '../measure/units.js';
-import { focusOn, headOf, keyed, leavesByEscape } from '../page/entries.js';
+import { focusOn, headOf, keyed, leavesByEscape } from '../page/cards/entries.js';
 import { icon } from '../page/icons.js';
 import { element } from '../page/parameter_fields.js';
 import { annotate as words } from '../page/strings/annotate.js';

@@ -1,10 +1,10 @@
 // Cutting the scan by boxes and half-spaces: the card with the list of them, and the hand on their handles. What cuts is the view's own word `clips`, so
 // the address, undo and links hold it, and the server does it; here is only what a hand and a keyboard need.
 
-import { focusOn, keyed } from '../page/entries.js';
+import { focusOn, keyed } from '../page/cards/entries.js';
 import { element } from '../page/parameter_fields.js';
 import { clip as words } from '../page/strings/clip.js';
-import { ToolCard } from '../page/tool_card.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { depthOf, eyeOf, heightAtTarget, pointUnderCursor, radiusOf } from '../view/camera.js';
 import { subtract } from '../view/vectors.js';
 import { Places } from '../measure/places.js';

@@ -5,7 +5,7 @@
 import { element } from '../page/parameter_fields.js';
 import { strings } from '../page/strings.js';
 import { compare as words } from '../page/strings/compare.js';
-import { ToolCard } from '../page/tool_card.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { classesOf } from '../page/plan/legend.js';
 import { styleKeys } from '../protocol/view_words.js';
 import { pick } from '../view/usual.js';

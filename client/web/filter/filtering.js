@@ -4,7 +4,7 @@
 import { columnTitle, isOne, knowsColumns, unitOfColumn } from '../page/columns.js';
 import { element } from '../page/parameter_fields.js';
 import { filter as words } from '../page/strings/filter.js';
-import { ToolCard } from '../page/tool_card.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { colorOf, mostFilters } from '../protocol/view_words.js';
 import { card } from './card.js';
 import { reachOf, ValueSlider } from './value_slider.js';

@@ -3,7 +3,7 @@
 
 import { deviceStore } from '../connection/stores.js';
 import { measure as words } from '../page/strings/measure.js';
-import { ToolCard } from '../page/tool_card.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { usualUpAxis } from '../view/usual.js';
 import { Answers } from './answers.js';
 import { card } from './card.js';

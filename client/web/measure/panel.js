@@ -2,7 +2,7 @@
 // is text and buttons, so it is the measurements' other face: for keys and for screen readers.
 
 import { Choices } from '../page/choices.js';
-import { focusOn, headOf, keyed, leavesByEscape } from '../page/entries.js';
+import { focusOn, headOf, keyed, leavesByEscape } from '../page/cards/entries.js';
 import { icon } from '../page/icons.js';
 import { element } from '../page/parameter_fields.js';
 import { measure as words } from '../page/strings/measure.js';

@@ -14,7 +14,7 @@ import { usualUpAxis } from '../view/usual.js';
 import { ownShift } from '../page/members.js';
 import { counted, strings } from '../page/strings.js';
 import { profile as words } from '../page/strings/profile.js';
-import { ToolCard } from '../page/tool_card.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { isEmpty, partQuestion, pointSizeFor, pointsQuestion, toldBy, wholeQuestion } from './asking.js';
 import { card } from './card.js';
 import { boxesAround, lengthOf, lineOf, movedBy, placeAt } from './line.js';

@@ -2,12 +2,12 @@
 // shown is the view's own word `with`, so the address, undo and links hold it, and the server draws all of them into one picture.
 
 import { counted } from '../page/strings.js';
-import { focusOn, keyed } from '../page/entries.js';
+import { focusOn, keyed } from '../page/cards/entries.js';
 import { icon } from '../page/icons.js';
 import { itself, membersOf, wordOf } from '../page/members.js';
 import { element } from '../page/parameter_fields.js';
 import { together as words } from '../page/strings/together.js';
-import { ToolCard } from '../page/tool_card.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { mostMembers } from '../protocol/view_words.js';
 import { card } from './card.js';
 

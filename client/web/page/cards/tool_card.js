@@ -1,7 +1,7 @@
 // How the card of a tool opens and closes (styles/card.css): by its button and its letter (lazy_tools.js), by its ✕, by Escape, and when another one opens.
 // A tool with a card extends this, and says by opened() what else it does then.
 
-import { putCard } from './lazy_tools.js';
+import { putCard } from '../lazy_tools.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);

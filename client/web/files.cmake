@@ -57,9 +57,9 @@ set(SCANCAST_WEB_FILES
     measure/units.js
     measure/values.js
     measure/zoom.js
-    page/choices.js
     page/cards/entries.js
     page/cards/tool_card.js
+    page/choices.js
     page/chosen_method.js
     page/colour_choice.js
     page/columns.js

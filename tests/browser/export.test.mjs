@@ -179,7 +179,8 @@ describe('exporting', { timeout: 200_000 }, () => {
       try {
         const address = await closed.start();
         const asked = [];
-        page.on('response', (response) => { if (/\/points$|\.tif/.test(response.url()) && ![429, 503].includes(response.status())) asked.push(response.status()); // busy: asked again });
+        // Where it is busy, the page asks again.
+        page.on('response', (response) => { if (/\/points$|\.tif/.test(response.url()) && ![429, 503].includes(response.status())) asked.push(response.status()); });
         await page.addInitScript(() => { globalThis.showSaveFilePicker = undefined; });
         const link = execFileSync(program, ['guest-link', '--key-file', join(tokens, 'guests'), '--cloud', 'court', '--expires', '60m', '--url', address], { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }).trim();
         await page.goto(`${link}&${fromSouth}`);

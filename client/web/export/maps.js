@@ -88,7 +88,7 @@ export class Maps {
     this.#showSize();
   }
 
-  /** What somebody may have: guests pictures, and elevations of some servers; and no program of a guest's has a token for the maps. */
+  /** Guests may have pictures alone, and have no token for other programs. */
   #offer({ mayExport, isGuest }) {
     const { value: chosen } = find('raster-kind');
     const kinds = Object.entries(words.maps.kinds).filter(([kind]) => mayExport || kind === 'ortho');

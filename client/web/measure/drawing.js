@@ -1,5 +1,4 @@
-// What is being drawn onto the scan, click by click: the points of a measure, the line of a profile. Each is the scan's own point, which the server finds a
-// moment after the click; until then it is about where the picture's depth has it. Measuring and profiles differ in what they make of it.
+// What is drawn onto the scan, click by click: a measure, a profile's line. Each point is the scan's own, which the server finds a moment after the click.
 
 import { measure as words } from '../page/strings/measure.js';
 import { stepOf } from './hand.js';
@@ -12,8 +11,8 @@ export class Drawing {
   #draft;
 
   /**
-   * `page`: { overlays (messages), reading (which tells coordinates) }; `does`: begin(), the Draft of something new, or nothing where that cannot be; found(point as
-   * the protocol has it, its index); made(measure), which returns whether it is one; show(), which is called whenever something has changed.
+   * `page`: { overlays, reading }; `does`: begin(), the Draft of something new, or nothing where that cannot be; found(picked point, its index);
+   * made(measure), which returns whether it is one; show(), after each change.
    */
   constructor(viewer, page, does) {
     this.#viewer = viewer;
@@ -24,7 +23,7 @@ export class Drawing {
   /** Undefined while nothing is being drawn. */
   get draft() { return this.#draft; }
 
-  /** The middle of the picture, for who places points by keys. */
+  /** For who places points by keys. */
   get middle() {
     const { width, height } = this.#viewer.cssSize;
     return { x: width / 2, y: height / 2 };
@@ -47,14 +46,14 @@ export class Drawing {
     this.#settled();
   }
 
-  /** The next point of what is being drawn is that one, as the protocol has a picked point. */
+  /** The next point is that one, as the protocol has it. */
   add(found) {
     if (!this.#draft?.takesMore) return;
     this.#draft.settle(this.#draft.add(found.position), found);
     this.#settled();
   }
 
-  /** It has all its points; says so where it lacks some. */
+  /** It has all its points, or lacks some, which is said. */
   finish() {
     const draft = this.#draft;
     if (!draft) return;

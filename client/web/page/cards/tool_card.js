@@ -1,5 +1,5 @@
-// How the card of a tool opens and closes (styles/card.css): by its button and its letter (lazy_tools.js), by its ✕, by Escape, and when another one opens.
-// A tool with a card extends this, and says by opened() what else it does then.
+// How the card of a tool (styles/card.css) opens and closes: by its button or letter (lazy_tools.js), its ✕, Escape, and when another one opens. Such a tool
+// extends this; opened() is what else it does then.
 
 import { putCard } from '../lazy_tools.js';
 
@@ -13,8 +13,8 @@ export class ToolCard {
   #isActive = false;
 
   /**
-   * `card`: its markup, whose first element is the card, with its ✕ in the head; `words` of it; `active(isActive)`: lazy_tools.js hears of it. A tool with `reading`
-   * (measure/reading.js) takes the hand while it is open - `hand`, or itself -, which then hears of Escape as well, and the body has the class of the card's id.
+   * `card`: its markup, the ✕ first in its header; `active(isActive)` hears of it. A tool with `reading` (measure/reading.js) takes the hand while it is open,
+   * which hears of Escape then, and the body has the class of the card's id.
    */
   constructor({ card, words, active, reading = undefined }) {
     this.#card = putCard(card, words);
@@ -37,7 +37,7 @@ export class ToolCard {
     this.#active(isActive);
     this.opened(isActive);
     if (isActive) {
-      // Who goes by keys, and pressed its button, is in it; by its letter, he is on the picture, and stays there.
+      // Who pressed its button by a key goes on in it; by its letter, on the picture.
       if (document.activeElement?.matches('#rail :focus-visible')) this.#card.querySelector('header button').focus();
       return;
     }
@@ -45,7 +45,6 @@ export class ToolCard {
     find('picture').focus({ preventScroll: true, focusVisible: false });
   }
 
-  /** Whose the hand on the picture is while it is open. */
   get hand() { return /** @type {any} */ (this); }
 
   /** It has been opened, or closed. */

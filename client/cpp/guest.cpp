@@ -21,6 +21,7 @@ Expected<void> readPass(std::string_view text, GuestEntry& entry) {
     if (fields.require("cloud")) fields.text("cloud", entry.cloud);
     if (fields.require("expiresInSeconds")) fields.integer("expiresInSeconds", seconds, 0, longestGuestLink);
     entry.expires = std::chrono::seconds(seconds);
+    fields.flag("mayExport", entry.mayExport);
     return fields.finishLenient();
 }
 

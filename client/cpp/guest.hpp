@@ -24,6 +24,8 @@ struct GuestEntry {
     std::string cloud;        ///< the only one that there is for the guest
     std::chrono::seconds
         expires;  ///< of the pass, from now: enter anew before, as long as the link lives. Streams go on to its end
+    /// Whether points and elevations are for guests, too; an older server says that only where it refuses them.
+    bool mayExport = true;
 };
 
 /// Asks the server for a pass; blocks until the answer or the deadline. `authority` as in Credentials. Errors: InvalidArgument

@@ -37,6 +37,7 @@ set(SCANCAST_WEB_FILES
     measure/checks.js
     measure/coordinates.js
     measure/draft.js
+    measure/drawing.js
     measure/export.js
     measure/files.js
     measure/fits.js
@@ -56,13 +57,14 @@ set(SCANCAST_WEB_FILES
     measure/units.js
     measure/values.js
     measure/zoom.js
+    page/cards/entries.js
+    page/cards/tool_card.js
     page/choices.js
     page/chosen_method.js
     page/colour_choice.js
     page/columns.js
     page/controls.js
     page/cover.js
-    page/entries.js
     page/galleries.js
     page/history.js
     page/hud.js

@@ -169,6 +169,51 @@ describe('exporting', { timeout: 200_000 }, () => {
     },
   }));
 
+  it('a guest is offered what the server gives him, and told why not the rest', async () => {
+    const keys = execFileSync(program, ['token', 'guests'], { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] });
+    writeFileSync(join(tokens, 'guests'), keys, { mode: 0o600 });
+    for (const mayExport of [false, true]) {
+      const closed = new RealServer(program, [scan.file], ['--auth-token-file', join(tokens, 'token'), '--guest-key-file', join(tokens, 'guests'), ...(mayExport ? ['--guests-may-export'] : [])]);
+      const page = await newPage(browser, { viewport: { width: 1440, height: 900 } });
+      page.setDefaultTimeout(20_000);
+      try {
+        const address = await closed.start();
+        const asked = [];
+        // Where it is busy, the page asks again.
+        page.on('response', (response) => { if (/\/points$|\.tif/.test(response.url()) && ![429, 503].includes(response.status())) asked.push(response.status()); });
+        await page.addInitScript(() => { globalThis.showSaveFilePicker = undefined; });
+        const link = execFileSync(program, ['guest-link', '--key-file', join(tokens, 'guests'), '--cloud', 'court', '--expires', '60m', '--url', address], { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }).trim();
+        await page.goto(`${link}&${fromSouth}`);
+        await waitUntilSharp(page, 40_000);
+        await open(page);
+        assert.equal(await page.isVisible('#export-guest'), !mayExport);
+        for (const part of ['#export-format', '#export-save', '#export-count']) assert.equal(await page.isVisible(part), mayExport, part);
+        assert.ok(!(await page.isVisible('#map-services')), 'no other program has his pass');
+        if (mayExport) {
+          await isCounted(page, all);
+          await page.click('#rasters summary');
+        }
+        const kinds = await page.$$eval('#raster-kind option', (options) => options.map(({ value }) => value));
+        assert.deepEqual(kinds, mayExport ? ['highest', 'lowest', 'mean', 'count', 'ortho'] : ['ortho']);
+        const [file] = await Promise.all([page.waitForEvent('download'), page.click('#raster-save')]);
+        assert.equal(file.suggestedFilename(), mayExport ? 'court-dem-highest.tif' : 'court-ortho.tif');
+        await page.waitForFunction(() => /has been saved/.test(document.getElementById('export-state').textContent));
+        assert.ok(asked.length > 0 && asked.every((status) => status === 200), `${asked}: nothing is offered that is refused`);
+        await page.click('#export-close');
+        // Of a profile, the picture.
+        await page.click('#tool-profile');
+        await page.waitForSelector('#profiling', { state: 'visible' });
+        await page.evaluate(() => { document.getElementById('profile-panel').hidden = false; document.getElementById('profile-files').showPopover(); });
+        const formats = await page.$$eval('#profile-files button', (buttons) => buttons.filter((button) => !button.hidden).map((button) => button.dataset.format));
+        assert.deepEqual(formats, mayExport ? ['csv', 'las', 'ply', 'png'] : ['png']);
+        assert.deepEqual(seriousComplaints(page), []);
+      } finally {
+        await page.context().close();
+        await closed.stop();
+      }
+    }
+  });
+
   for (const options of [{ colorScheme: 'light' }, { colorScheme: 'dark', viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }]) {
     it(`axe finds nothing in the ${options.colorScheme} theme, ${options.isMobile ? 'on a phone' : 'on a desk'}`, () => withPage(async (page) => {
       await open(page);

@@ -127,6 +127,27 @@ describe('measuring', { timeout: 290_000 }, () => {
     }
   }));
 
+  it('the kinds stay where they are, however many measures there are and whichever is open', () => withPage(async (page) => {
+    await startMeasuring(page);
+    const many = Array.from({ length: 30 }, (_, i) => ({ name: `Distance ${i + 1}`, kind: 'distance', step: 0.001, points: [at(6, 4 + i / 5), at(14, 4 + i / 5)] }));
+    const project = { format: 'scancast-project', version: 1, cloud: { id: 'court' }, measures: many };
+    await page.setInputFiles('#project-file', { name: 'court.project.json', mimeType: 'application/json', buffer: Buffer.from(JSON.stringify(project)) });
+    await page.waitForFunction(() => document.querySelectorAll('#measure-list .name').length === 30);
+    const kinds = () => page.locator('#measure-kinds').boundingBox();
+    const before = await kinds();
+    for (const row of [29, 0, 15]) {
+      await page.locator('#measure-list .name').nth(row).click();
+      await page.waitForSelector('#measure-list [aria-expanded=true]');
+      assert.deepEqual(await kinds(), before);
+      const [list, opened] = [await page.locator('#measuring .rest').boundingBox(), await page.locator('#measure-list li:has([aria-expanded=true]) .head').boundingBox()];
+      assert.ok(opened.y >= list.y - 1 && opened.y + opened.height <= list.y + list.height + 1, 'what was opened is to be seen');
+      assert.ok(list.y >= before.y + before.height, 'below the kinds');
+      await page.keyboard.press('Enter'); // closes it
+    }
+    await page.click('#measure-kinds .choice:has(input[value=area])');
+    assert.ok(await page.isChecked('#measure-kinds input[value=area]'));
+  }));
+
   it('a volume over a base is the server\'s, of the points that are there', () => withPage(async (page) => {
     await startMeasuring(page);
     await chooseKind(page, 'volume');

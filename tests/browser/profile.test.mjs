@@ -214,6 +214,35 @@ describe('a profile', { timeout: 250_000 }, () => {
     assert.ok(!(await page.isVisible('#profiling')));
   }));
 
+  it('the line goes with a scan that is shifted, and the profile is of the same points', () => withPage(async (page) => {
+    await drawAcross(page);
+    const first = page.asked.find(({ picture }) => picture && picture.width > 64);
+    const handles = () => page.$$eval('#profile-marks .handle.point', (nodes) => nodes.map((node) => node.getAttribute('transform').match(/[\d.]+/g).map(Number)));
+    const shift = [3, 0, 1];
+    const seen = (point) => point.map((value, axis) => value + shift[axis]);
+    const said = await page.textContent('#profile-said');
+    await page.evaluate((by) => { document.getElementById('view').viewer.changeStyle({ with: [{ cloud: '.', shift: by }] }); }, shift);
+    await waitUntilSharp(page);
+    for (const [i, point] of [at(10, 2), at(10, 18)].entries()) {
+      const { x, y } = await placeOf(page, seen(point));
+      const [[u, v]] = (await handles()).splice(i, 1);
+      assert.ok(Math.hypot(x - u, y - v) < 6, `${u}, ${v} instead of ${x}, ${y}`); // the pick may be a grid's step beside it
+    }
+    assert.match(await page.textContent('#profile-how'), /where the scan’s file has them/);
+    await page.waitForTimeout(600); // another picture would be asked for by then
+    assert.deepEqual(page.asked.at(-1).line, first.line, 'where the file has it');
+    assert.equal(await page.textContent('#profile-said'), said);
+    // A corner that is drawn elsewhere is where it is seen, less the shift.
+    const [from, to] = [await placeOf(page, seen(at(10, 2))), await placeOf(page, seen(at(6, 4)))];
+    await page.mouse.move(from.x, from.y);
+    await page.mouse.down();
+    await page.mouse.move(to.x, to.y, { steps: 4 });
+    await page.mouse.up();
+    await isTrue(() => page.asked.at(-1).line[0][0] < at(8)[0], 'another line');
+    const [x, y] = page.asked.at(-1).line[0];
+    assert.ok(Math.abs(x - at(6)[0]) < 1.5 * courtSpacing && Math.abs(y - at(0, 4)[1]) < 1.5 * courtSpacing, `${x}, ${y}`);
+  }));
+
   it('is not offered where another axis is up: the server\'s profiles stand on x and y', async () => {
     const fake = new FakeServer();
     fake.clouds = [{ ...clouds[0], look: undefined, view: { ...clouds[0].view, camera: { ...clouds[0].view.camera, up: [0, 1, 0] } } }];

@@ -193,6 +193,7 @@ describe('values, and clouds together', { timeout: 290_000 }, () => {
       await begin('together', '#cloud=ring&with=helix');
       await page.click('#together-color');
       await isSaid('color', 'cloud');
+      await isSaid('shading', 'eyedome'); // one colour shows no shapes
       await page.waitForFunction(() => document.getElementById('plan-legend').textContent === 'CloudsA ring of stonesHelix');
       assert.deepEqual(await page.$$eval('#plan-legend .swatch', (all) => all.map((one) => getComputedStyle(one).backgroundColor)), ['rgb(86, 180, 233)', 'rgb(230, 159, 0)']);
       const targetAfter = async (act) => {
@@ -206,6 +207,7 @@ describe('values, and clouds together', { timeout: 290_000 }, () => {
       await page.click('#together-none');
       await isSaid('with', null);
       await isSaid('color', 'auto');
+      await isSaid('shading', null);
       await page.waitForFunction(() => document.getElementById('plan-legend').hidden);
     });
 

@@ -237,6 +237,7 @@ TEST_F(GuestTest, TheClientTakesALink) {
     ASSERT_TRUE(client::isGuestLink(address + link()["path"].get<std::string>()));
     const auto entry = client::enterAsGuest(address + link()["path"].get<std::string>());
     ASSERT_TRUE(entry) << entry.error().message;
+    EXPECT_FALSE(entry->mayExport) << "this server was started without --guests-may-export";
     EXPECT_EQ(entry->cloud, "one");
     const auto clouds = client::Server(entry->url, {}, entry->credentials).clouds();
     ASSERT_TRUE(clouds) << clouds.error().message;

@@ -6,9 +6,9 @@ import { stepOf } from '../measure/hand.js';
 import { Marks } from '../measure/marks.js';
 import { pickOr } from '../measure/picking.js';
 import { zoomTo } from '../measure/zoom.js';
-import { putCard } from '../page/lazy_tools.js';
 import { element } from '../page/parameter_fields.js';
 import { annotate as words } from '../page/strings/annotate.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { card } from './card.js';
 import { NoteList } from './note_list.js';
 import { mostNotes, pointOf } from './notes.js';
@@ -16,13 +16,12 @@ import { mostNotes, pointOf } from './notes.js';
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 
-export class Annotating {
+export class Annotating extends ToolCard {
   #viewer;
   #page;
   #notes;
   #marks;
   #list;
-  #isActive = false;
   #selected; // id of the one that is open
   #replaced; // id of one that the next click moves
   #moved; // { id, point } while one is being dragged
@@ -34,10 +33,10 @@ export class Annotating {
    * `page`: { reading (whose the hand is), keeping (the project, whose notes these are), overlays (messages), active(isActive) }
    */
   constructor(viewer, page) {
+    super({ card, words, ...page });
     this.#viewer = viewer;
     this.#page = page;
     this.#notes = page.keeping.notes;
-    putCard(card, words);
     const root = element('div', { id: 'notes', className: 'over marks', ariaHidden: 'true' });
     find('marks').after(root);
     this.#marks = new Marks(root, viewer);
@@ -46,35 +45,24 @@ export class Annotating {
     page.reading.hand.watch(root);
     root.addEventListener('click', () => {
       const id = pressed;
-      if (id === undefined || this.#isActive) return; // the hand has it, then
+      if (id === undefined || this.isActive) return; // the hand has it, then
       this.activate(true);
       this.#select(Number(id));
     });
     this.#list = new NoteList(this.#notes, {
       select: (id) => this.#select(id), again: (id) => this.#again(id), zoom: (id) => zoomTo(viewer, [this.#notes.find(id).point]), remove: (id) => this.#remove(id),
-      close: () => this.activate(false), save: () => page.keeping.save(), open: () => page.keeping.choose(),
+      save: () => page.keeping.save(), open: () => page.keeping.choose(),
     });
     this.#notes.addEventListener('change', () => this.#changed());
     viewer.addEventListener('cloud', () => this.#show());
     this.#changed();
   }
 
-  get isActive() { return this.#isActive; }
-
-  activate(isActive = !this.#isActive) {
-    if (isActive === this.#isActive) return;
-    this.#isActive = isActive;
-    find('annotating').hidden = !isActive;
-    document.body.classList.toggle('annotating', isActive);
-    this.#page.active(isActive);
+  opened(isActive) {
     this.#replaced = this.#pending = undefined;
-    if (isActive) this.#page.reading.take(this);
-    else {
-      this.#page.reading.give(this);
+    if (!isActive) {
       this.#selected = undefined;
       this.#marks.point(undefined);
-      document.body.classList.remove('aiming');
-      find('picture').focus({ preventScroll: true, focusVisible: false });
     }
     this.#changed();
   }
@@ -83,13 +71,13 @@ export class Annotating {
     if (this.#selected && !this.#notes.find(this.#selected)) this.#selected = undefined;
     if (this.#replaced && !this.#notes.find(this.#replaced)) this.#replaced = undefined;
     this.#show();
-    if (this.#isActive) this.#list.show({ selected: this.#selected, replaced: this.#replaced, cloud: this.#viewer.cloud });
+    if (this.isActive) this.#list.show({ selected: this.#selected, replaced: this.#replaced, cloud: this.#viewer.cloud });
   }
 
   #show() {
     const marks = this.#notes.list.filter(({ visible, id }) => visible || id === this.#selected).map((note) => {
       const isMoved = this.#moved?.id === note.id;
-      const selected = this.#isActive && note.id === this.#selected;
+      const selected = this.isActive && note.id === this.#selected;
       const measured = isMoved ? pointOf({ ...note, point: this.#moved.point }) : this.#pointOf(note);
       return { measure: measured, look: { key: `${selected} ${note.name} ${isMoved} ${note.point}`, selected, drawn: isMoved, text: note.name } };
     });
@@ -136,7 +124,7 @@ export class Annotating {
     const cloud = this.#viewer.cloud?.id;
     const found = await this.#pick(cursor);
     this.#pending = undefined;
-    if (!found || !this.#isActive || cloud !== this.#viewer.cloud?.id) {
+    if (!found || !this.isActive || cloud !== this.#viewer.cloud?.id) {
       this.#show();
       return;
     }

@@ -1,7 +1,7 @@
 // The list of notes in their card: titles, texts and links as fields, so that keys and screen readers reach all of it.
 
 import { placeText } from '../measure/units.js';
-import { focusOn, headOf, keyed, leavesByEscape } from '../page/entries.js';
+import { focusOn, headOf, keyed, leavesByEscape } from '../page/cards/entries.js';
 import { icon } from '../page/icons.js';
 import { element } from '../page/parameter_fields.js';
 import { annotate as words } from '../page/strings/annotate.js';
@@ -18,12 +18,11 @@ export class NoteList {
   #said; // what show() was told last
   #edited; // id of the note in whose fields the focus is: while it goes from one to the next, nothing has it
 
-  /** `does`: select(id or undefined), again(id), zoom(id), remove(id), close(), save(), open(). */
+  /** `does`: select(id or undefined), again(id), zoom(id), remove(id), save(), open(). */
   constructor(notes, does) {
     this.#notes = notes;
     this.#does = does;
     const on = (id, act) => find(id).addEventListener('click', act);
-    on('close-annotating', () => does.close());
     on('note-undo', () => notes.undo());
     on('note-redo', () => notes.redo());
     on('note-save-project', () => does.save());

@@ -2,19 +2,12 @@
 // face, for the middle, and one that turns it. Placed anew whenever what is on the canvas looks from elsewhere, as measures are (measure/marks.js).
 
 import { Places } from '../measure/places.js';
+import { svgIn } from '../page/plan/svg.js';
 import { radiusOf } from '../view/camera.js';
 import { add, scale } from '../view/vectors.js';
 import { edgesOf, facesOf, outlineOf, placeIn } from './box.js';
 
-const namespace = 'http://www.w3.org/2000/svg';
 const px = (number) => number.toFixed(2);
-
-function svg(name, className, parent) {
-  const node = document.createElementNS(namespace, name);
-  if (className) node.setAttribute('class', className);
-  parent.append(node);
-  return node;
-}
 
 /**
  * Where the handles are: { kind: 'face', 'move', 'turn' or 'side' (it only shows which one is kept), at, … }. Pure.
@@ -43,7 +36,7 @@ export class ClipMarks {
   constructor(root, viewer) {
     this.#root = root;
     this.#viewer = viewer;
-    this.#drawing = svg('svg', '', root);
+    this.#drawing = svgIn(root, 'svg');
     viewer.addEventListener('shown', () => this.place());
     new ResizeObserver(() => this.place(true)).observe(root);
   }
@@ -54,15 +47,15 @@ export class ClipMarks {
     this.#chosen = isActive ? chosen : undefined;
     this.#drawing.replaceChildren();
     for (const [i, shape] of this.#shapes.entries()) {
-      svg('path', `edges ${shape.keep === 'outside' ? 'outside' : ''} ${i === chosen ? 'chosen' : ''}`, this.#drawing).dataset.shape = String(i);
+      svgIn(this.#drawing, 'path', `edges ${shape.keep === 'outside' ? 'outside' : ''} ${i === chosen ? 'chosen' : ''}`).dataset.shape = String(i);
     }
     const shape = this.#shapes[this.#chosen];
     this.#handles = (shape ? handlesOf(shape, this.#side) : []).map((handle, i) => {
-      const node = svg('g', `handle ${handle.kind}`, this.#drawing);
+      const node = svgIn(this.#drawing, 'g', `handle ${handle.kind}`);
       node.dataset.handle = String(i);
-      if (handle.from) svg('path', 'arm', node);
-      svg('circle', 'reach', node);
-      svg('circle', 'dot', node);
+      if (handle.from) svgIn(node, 'path', 'arm');
+      svgIn(node, 'circle', 'reach');
+      svgIn(node, 'circle', 'dot');
       return { ...handle, node };
     });
     this.place(true);

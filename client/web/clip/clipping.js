@@ -1,10 +1,10 @@
 // Cutting the scan by boxes and half-spaces: the card with the list of them, and the hand on their handles. What cuts is the view's own word `clips`, so
 // the address, undo and links hold it, and the server does it; here is only what a hand and a keyboard need.
 
-import { focusOn, keyed } from '../page/entries.js';
+import { focusOn, keyed } from '../page/cards/entries.js';
 import { element } from '../page/parameter_fields.js';
-import { putCard } from '../page/lazy_tools.js';
 import { clip as words } from '../page/strings/clip.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { depthOf, eyeOf, heightAtTarget, pointUnderCursor, radiusOf } from '../view/camera.js';
 import { subtract } from '../view/vectors.js';
 import { Places } from '../measure/places.js';
@@ -16,19 +16,16 @@ import { ClipMarks } from './clip_marks.js';
 const find = (id) => document.getElementById(id);
 const axisNames = ['X', 'Y', 'Z'];
 
-export class Clipping {
+export class Clipping extends ToolCard {
   #viewer;
-  #active;
   #marks;
   #chosen;
-  #isActive = false;
   #drag; // { handle, start, cursor, box }
 
   /** `active(isActive)` hears of it. */
   constructor(viewer, active) {
+    super({ card, words, active });
     this.#viewer = viewer;
-    this.#active = active;
-    putCard(card, words);
     const root = find('clips');
     this.#marks = new ClipMarks(root, viewer);
     viewer.addEventListener('view', ({ detail }) => detail.by !== 'hand' && this.#show());
@@ -39,30 +36,18 @@ export class Clipping {
       event.preventDefault();
       find('picture').dispatchEvent(new WheelEvent(event.type, event));
     }, { passive: false });
-    find('close-clipping').addEventListener('click', () => this.activate(false));
     find('clip-add').addEventListener('click', () => this.#add());
     find('clip-add-plane').addEventListener('click', () => this.#addPlane());
     find('clip-none').addEventListener('click', () => this.#put([]));
-    addEventListener('keydown', (event) => {
-      if (event.key === 'Escape' && this.#isActive && !event.defaultPrevented && !document.querySelector('dialog[open]')) this.activate(false);
-    });
   }
 
   get #shapes() {
     return this.#viewer.view.clips ?? [];
   }
 
-  get isActive() { return this.#isActive; }
-
-  activate(isActive = !this.#isActive) {
-    if (isActive === this.#isActive) return;
-    this.#isActive = isActive;
-    find('clipping').hidden = !isActive;
-    document.body.classList.toggle('clipping', isActive);
+  opened(isActive) {
     if (isActive && this.#chosen === undefined) this.#chosen = this.#shapes.length > 0 ? 0 : undefined;
-    this.#active(isActive);
     this.#show();
-    if (!isActive) find('picture').focus({ preventScroll: true, focusVisible: false });
   }
 
   #put(shapes) {
@@ -151,8 +136,8 @@ export class Clipping {
   #show() {
     const shapes = this.#shapes;
     if (this.#chosen >= shapes.length) this.#chosen = shapes.length > 0 ? shapes.length - 1 : undefined;
-    this.#marks.show(shapes, this.#chosen, this.#isActive);
-    if (!this.#isActive) return;
+    this.#marks.show(shapes, this.#chosen, this.isActive);
+    if (!this.isActive) return;
     for (const id of ['clip-add', 'clip-add-plane']) find(id).disabled = shapes.length >= mostShapes;
     find('clip-none').disabled = shapes.length === 0;
     find('clip-empty').hidden = shapes.length > 0;

@@ -2,10 +2,10 @@
 // a divider between them that one drags. The second one is a viewer with a session of its own, which the server draws for as for any other,
 // so it is sharp when it may be, and reprojected meanwhile, as the first one is.
 
-import { putCard } from '../page/lazy_tools.js';
 import { element } from '../page/parameter_fields.js';
 import { strings } from '../page/strings.js';
 import { compare as words } from '../page/strings/compare.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { classesOf } from '../page/plan/legend.js';
 import { styleKeys } from '../protocol/view_words.js';
 import { pick } from '../view/usual.js';
@@ -20,11 +20,10 @@ const find = (id) => document.getElementById(id);
 const step = { small: 2, large: 10 };
 const names = ['cloud', 'method', 'color', 'shading', 'classes'];
 
-export class Comparing {
+export class Comparing extends ToolCard {
   #viewer;
   #page;
   #sides = /** @type {any} */ ({ ...usualSides });
-  #isActive = false; // its card is open
   #isOn = false; // there are two pictures
   #other; // the viewer of the right side, made once: what it draws with is dear
   #side = element('div', { id: 'other-side', ariaHidden: 'true' }); // all that it draws on is in there, and cut off with it
@@ -35,17 +34,11 @@ export class Comparing {
 
   /** `page`: { overlays (messages), active(isActive), changed() (hears that the address has something new to say), title(method) } */
   constructor(viewer, page) {
+    super({ card, words, active: page.active });
     this.#viewer = viewer;
     this.#page = page;
-    putCard(card, words);
     this.#dress();
-    find('close-comparing').addEventListener('click', () => this.end());
     for (const name of names) find(`compare-${name}`).addEventListener('change', ({ target: { value } }) => this.#choose(name, value));
-    addEventListener('keydown', (event) => {
-      if (event.key !== 'Escape' || !this.#isActive || event.defaultPrevented || document.querySelector('dialog[open], :popover-open')) return;
-      event.preventDefault();
-      this.end();
-    });
     const on = (name, act) => viewer.addEventListener(name, ({ detail }) => this.#isOn && act(detail));
     on('camera', () => this.#follow());
     on('view', ({ by }) => by !== 'hand' && this.#restyle());
@@ -58,13 +51,8 @@ export class Comparing {
     on('clouds', () => this.#fill());
   }
 
-  get isActive() { return this.#isActive; }
-
   /** Its card: what begins with that goes on without, until end(). */
-  activate(isActive = !this.#isActive) {
-    if (isActive === this.#isActive) return;
-    this.#isActive = isActive;
-    find('comparing').hidden = !isActive;
+  opened(isActive) {
     if (isActive && !this.#isOn) {
       const { view, cloud, catalog } = this.#viewer;
       const color = cloud && otherColour(view, cloud, catalog.colors ?? []);
@@ -72,7 +60,6 @@ export class Comparing {
       find('compare-begins').textContent = color ? words.begins(strings.colour.names[color]) : '';
       this.#start();
     }
-    this.#page.active(isActive);
     if (isActive) this.#fill();
   }
 
@@ -135,10 +122,9 @@ export class Comparing {
     this.#page.changed();
   }
 
+  close() { this.end(); }
+
   end() {
-    const wasActive = this.#isActive;
-    this.#isActive = false;
-    find('comparing').hidden = true;
     if (this.#isOn) {
       this.#isOn = false;
       this.#leave();
@@ -148,8 +134,8 @@ export class Comparing {
       this.#sides = { ...usualSides };
       this.#page.changed();
     }
-    if (wasActive) this.#page.active(false);
-    find('picture').focus({ preventScroll: true, focusVisible: false });
+    if (this.isActive) this.activate(false);
+    else find('picture').focus({ preventScroll: true, focusVisible: false });
   }
 
   #leave() {
@@ -197,7 +183,7 @@ export class Comparing {
 
   #fill() {
     const { catalog, cloud } = this.#viewer;
-    if (!this.#isActive || !cloud) return;
+    if (!this.isActive || !cloud) return;
     const { methods = [], colors = [], shadings = [], clouds } = catalog;
     const nameOf = (color) => {
       const [source, by] = color.split('*');

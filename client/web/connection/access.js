@@ -13,6 +13,7 @@ export function base64url(text) {
 export class Access {
   #key;
   #guestKey;
+  guestMayExport = true; // as the server says it with a pass
 
   /** `origin`: the server's. What is kept for one server is never sent to another. */
   constructor(origin) {
@@ -57,6 +58,11 @@ export class Access {
 
   get isGuest() {
     return this.guestToken !== undefined;
+  }
+
+  /** Points and elevations are for this guest; who has a token of his own gets them anyway. */
+  get mayExport() {
+    return !this.isGuest || this.guestMayExport;
   }
 
   keepGuestToken(token) {

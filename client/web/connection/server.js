@@ -148,6 +148,7 @@ export class Server {
     if (!response.ok) throw await problemOf(response);
     const pass = await response.json();
     this.access.keepToken(pass.token);
+    this.access.guestMayExport = pass.mayExport !== false; // an older server says it where it refuses them
     // A renewal that fails is tried again by whatever needs the pass next: session.js comes here before it connects.
     this.#renewal = setTimeout(() => this.access.isGuest && this.enterAsGuest().catch(() => {}), renewIn(pass.expiresInSeconds));
     return pass.cloud;

@@ -37,7 +37,7 @@ export class Exporting {
       const { server, cloud } = viewer;
       this.#saveFile(fileName(undefined, cloud.id, what, 'tif'), 'tif', (signal) => soon(() => server.ask(path, { signal }), signal), undefined);
     });
-    find('exporting').addEventListener('change', ({ target }) => !target.closest('details') && this.#changed());
+    find('export-points').addEventListener('change', () => this.#changed());
     find('exporting').addEventListener('close', () => this.#stop());
     find('export-save').addEventListener('click', () => this.#save());
     find('export-stop').addEventListener('click', () => this.#saving?.abort());
@@ -63,9 +63,12 @@ export class Exporting {
     find('export-classes-row').hidden = !classes;
     find('export-filter-row').hidden = !filter;
     find('export-state').textContent = '';
+    const { mayExport } = this.#viewer.server.access;
+    find('export-guest').hidden = mayExport;
+    find('export-points').hidden = !mayExport;
     this.#maps.show();
     find('exporting').showModal();
-    this.#changed();
+    if (mayExport) this.#changed();
   }
 
   /** What is chosen, as `POST …/points` has it. */
@@ -144,7 +147,7 @@ export class Exporting {
     find('export-progress').removeAttribute('value'); // nobody knows how far it is, at first
     for (const field of find('exporting').querySelectorAll('fieldset, select, input[type=checkbox], #raster-save')) field.disabled = isBusy;
     if (isBusy) find('export-stop').focus();
-    else if (find('exporting').open) find('export-save').focus();
+    else if (find('exporting').open) find(find('export-points').hidden ? 'raster-save' : 'export-save').focus();
   }
 
   #save() {
@@ -181,7 +184,7 @@ export class Exporting {
     } finally {
       this.#saving = undefined;
       this.#busy(false);
-      if (!this.#known && find('exporting').open) this.#countSoon(); // it gave way to the file
+      if (!this.#known && find('exporting').open && !find('export-points').hidden) this.#countSoon(); // it gave way to the file
     }
   }
 }

@@ -63,7 +63,6 @@ export class Maps {
       return [element('dt', { textContent: words.maps.services[name] }), element('dd', {}, field, copy)];
     }));
     find('map-services').append(gis);
-    find('raster-kind').append(...Object.entries(words.maps.kinds).map(([value, textContent]) => element('option', { value, textContent })));
     this.#field = new NumberField(find('raster-cell'), (value) => (value > 0 ? '' : words.maps.noCell), (value) => {
       this.#cell = value;
       this.#showSize();
@@ -75,15 +74,27 @@ export class Maps {
   /** As the view is now. */
   show() {
     const { cloud, view, server } = this.#viewer;
+    this.#offer(server.access);
     const addresses = addressesOf(server.origin, cloud.id, wordsFor(view, cloud.view, styleKeys.filter((key) => !notOfMaps.includes(key))));
     for (const [name, address] of Object.entries(addresses)) find(`map-${name}`).value = address;
     find('map-token').hidden = !server.access.hasToken;
-    find('map-web').hidden = Boolean(cloud.crsEpsg || cloud.crsWkt || cloud.crs);
+    const isKnown = Boolean(cloud.crsEpsg || cloud.crsWkt || cloud.crs);
+    find('map-web').hidden = isKnown;
+    for (const node of [find('map-tiles').parentElement, find('map-tiles').parentElement.previousElementSibling]) node.hidden = !isKnown;
     this.#cell = usualCell(cloud);
     this.#field.show(this.#cell);
     find('raster-unit').textContent = unitName(cloud.crsUnit);
     this.#shown = this.#seen();
     this.#showSize();
+  }
+
+  /** Guests may have pictures alone, and have no token for other programs. */
+  #offer({ mayExport, isGuest }) {
+    const { value: chosen } = find('raster-kind');
+    const kinds = Object.entries(words.maps.kinds).filter(([kind]) => mayExport || kind === 'ortho');
+    find('raster-kind').replaceChildren(...kinds.map(([value, textContent]) => element('option', { value, textContent, selected: value === chosen })));
+    find('rasters').open ||= !mayExport; // all that there is
+    find('map-services').hidden = isGuest;
   }
 
   async #copy(field) {

@@ -2,9 +2,9 @@
 // so the address, undo and links hold it, and the server does it; the same histogram carries the ends of the ramp where colours come from that column.
 
 import { columnTitle, isOne, knowsColumns, unitOfColumn } from '../page/columns.js';
-import { putCard } from '../page/lazy_tools.js';
 import { element } from '../page/parameter_fields.js';
 import { filter as words } from '../page/strings/filter.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { colorOf, mostFilters } from '../protocol/view_words.js';
 import { card } from './card.js';
 import { reachOf, ValueSlider } from './value_slider.js';
@@ -34,42 +34,26 @@ export function filtered(word, column, [low, high]) {
   return next.length > 0 ? next : null;
 }
 
-export class Filtering {
+export class Filtering extends ToolCard {
   #viewer;
-  #active;
-  #isActive = false;
   #of = ''; // the cloud whose columns are listed
   #rows = []; // { column, slider, ramp, button }
 
   /** `page`: { active(isActive) hears of it } */
   constructor(viewer, { active }) {
+    super({ card, words, active });
     this.#viewer = viewer;
-    this.#active = active;
-    putCard(card, words);
     viewer.addEventListener('view', ({ detail }) => detail.by !== 'hand' && this.#show());
     viewer.addEventListener('cloud', () => this.#fill());
-    find('close-filtering').addEventListener('click', () => this.activate(false));
     find('filter-none').addEventListener('click', () => viewer.changeStyle({ filter: null }));
-    addEventListener('keydown', (event) => {
-      if (event.key === 'Escape' && this.#isActive && !event.defaultPrevented && !document.querySelector('dialog[open]')) this.activate(false);
-    });
   }
 
-  get isActive() { return this.#isActive; }
-
-  activate(isActive = !this.#isActive) {
-    if (isActive === this.#isActive) return;
-    this.#isActive = isActive;
-    find('filtering').hidden = !isActive;
-    this.#active(isActive);
-    this.#fill();
-    if (!isActive) find('picture').focus({ preventScroll: true, focusVisible: false });
-  }
+  opened() { this.#fill(); }
 
   /** The columns of the cloud that is shown, with what the server tells of their values; asked for while the card is open, once for each state of it. */
   async #fill() {
     const { cloud, server } = this.#viewer;
-    if (!this.#isActive || !cloud) return;
+    if (!this.isActive || !cloud) return;
     const of = `${cloud.id} ${cloud.revision} ${cloud.state}`;
     if (of === this.#of) {
       this.#show();
@@ -120,7 +104,7 @@ export class Filtering {
   #usualOf({ usual, range, histogram }) { return usual ?? (histogram ? [histogram.low, histogram.high] : range); }
 
   #show() {
-    if (!this.#isActive) return;
+    if (!this.isActive) return;
     const { view, cloud, catalog } = this.#viewer;
     const word = view.filter ?? [];
     for (const { column, color, slider, ramped, ramp, button } of this.#rows) {

@@ -2,23 +2,16 @@
 // are placed anew whenever what is on the canvas looks from elsewhere, by the pose that is shown, between frames as well. What
 // is behind something is drawn faintly, and its labels go: judged once for each frame, by the depth that it brought.
 
+import { svgIn } from '../page/plan/svg.js';
 import { mix } from '../view/vectors.js';
 import { isCovered, nearestTo, Places } from './places.js';
 import { figureOf, kinds } from './values.js';
 
-const namespace = 'http://www.w3.org/2000/svg';
 const piecesOfLine = 12;
 const piecesOfHelper = 4;
 /** Lines of more points than this are curves: each of their parts is one piece. */
 const fewPoints = 12;
 const lift = 12; // px of a label above its point
-
-function svg(name, className, parent) {
-  const node = document.createElementNS(namespace, name);
-  if (className) node.setAttribute('class', className);
-  parent?.append(node);
-  return node;
-}
 
 const judged = (at) => ({ at, hidden: false, doubt: 0 });
 
@@ -70,8 +63,8 @@ class Mark {
     const { lines, helpers, label, legs } = look.figure ?? figureOf(measure, look.heights);
     this.#lines = lines.flatMap((line) => pieces(line, piecesOfLine));
     this.#helpers = helpers.flatMap((line) => pieces(line, piecesOfHelper));
-    this.#group = svg('g', `measure${look.selected ? ' selected' : ''}${look.drawn ? ' drawn' : ''}`, layers.svg);
-    this.#paths = Object.fromEntries(['fill', 'halo', 'behind', 'helper', 'line'].map((name) => [name, svg('path', name, this.#group)]));
+    this.#group = svgIn(layers.svg, 'g', `measure${look.selected ? ' selected' : ''}${look.drawn ? ' drawn' : ''}`);
+    this.#paths = Object.fromEntries(['fill', 'halo', 'behind', 'helper', 'line'].map((name) => [name, svgIn(this.#group, 'path', name)]));
     this.dots = measure.points.map((point, i) => this.#handle(point, `point${look.pending?.[i] ? ' pending' : ''}`, i));
     this.middles = look.selected && !kinds[measure.kind].fits && measure.points.length < kinds[measure.kind].most ? this.#middles() : [];
     this.labels = [
@@ -81,11 +74,11 @@ class Mark {
   }
 
   #handle(point, className, index) {
-    const node = svg('g', `handle ${className}`, this.#group);
+    const node = svgIn(this.#group, 'g', `handle ${className}`);
     node.dataset.measure = String(this.measure.id);
     node.dataset.index = String(index);
-    svg('circle', 'reach', node);
-    svg('circle', 'dot', node);
+    svgIn(node, 'circle', 'reach');
+    svgIn(node, 'circle', 'dot');
     return { ...judged(point), node };
   }
 
@@ -163,12 +156,12 @@ export class Marks {
   constructor(root, viewer) {
     this.#root = root;
     this.#viewer = viewer;
-    const drawing = svg('svg', '', root);
+    const drawing = svgIn(root, 'svg');
     const labels = document.createElement('div');
     labels.className = 'labels';
     root.append(labels);
     this.#layers = { svg: drawing, labels };
-    this.#ring = svg('circle', 'ring', drawing);
+    this.#ring = svgIn(drawing, 'circle', 'ring');
     viewer.addEventListener('shown', () => this.place());
     viewer.addEventListener('frame', ({ detail }) => this.#judge(Boolean(detail.final || detail.still)));
     new ResizeObserver(() => this.place(true)).observe(root);

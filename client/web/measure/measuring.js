@@ -2,13 +2,14 @@
 // It comes when it is first used, or when an address, a file or this device has measures to show (page/page_tools.js).
 
 import { deviceStore } from '../connection/stores.js';
-import { putCard } from '../page/lazy_tools.js';
 import { measure as words } from '../page/strings/measure.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { usualUpAxis } from '../view/usual.js';
 import { Answers } from './answers.js';
 import { card } from './card.js';
 import { axesText } from './coordinates.js';
 import { Draft, moreOf } from './draft.js';
+import { Drawing } from './drawing.js';
 import { stepOf } from './hand.js';
 import { Keeping } from './keeping.js';
 import { Marks } from './marks.js';
@@ -23,7 +24,7 @@ import { zoomTo } from './zoom.js';
 const find = (id) => document.getElementById(id);
 const unitKey = 'scancast.unit';
 
-export class Measuring {
+export class Measuring extends ToolCard {
   #viewer;
   #page;
   #measures = new Measures();
@@ -32,11 +33,10 @@ export class Measuring {
   #reading;
   #hand; // what the hand does while it is measuring's
   #keeping;
-  #isActive = false;
   #kind = 'distance';
   #unit = deviceStore.get(unitKey);
   #cloud; // whose measures these are
-  #draft;
+  #drawing; // of the next one
   #selected; // { id, index } of the measure that is open, and of a point of it
   #replaced; // { id, index } of a point that the next click moves
   #moved; // { id, points } while a point is being dragged
@@ -46,14 +46,18 @@ export class Measuring {
    * something new to say), active(isActive) }
    */
   constructor(viewer, page) {
+    super({ card, words, ...page });
     this.#viewer = viewer;
     this.#page = page;
     this.#reading = page.reading;
-    putCard(card, words);
     this.#marks = new Marks(find('marks'), viewer);
+    this.#drawing = new Drawing(viewer, page, {
+      begin: () => this.#begin(), made: (measure) => this.#add(measure), show: () => this.#show(),
+      found: (found, index) => this.#panel.say(words.said.point(index + 1, axesText(found.position, stepOf(found)))),
+    });
     this.#hand = {
       click: (cursor) => this.#clicked(cursor),
-      finish: () => this.#finish(),
+      finish: () => this.#drawing.finish(),
       hover: (surface) => this.#hover(surface),
       drag: (dragged) => this.#drag(dragged),
       drop: (dragged) => this.#drop(dragged),
@@ -62,11 +66,11 @@ export class Measuring {
       key: (name) => this.#key(name),
     };
     this.#panel = new Panel({
-      kind: (kind) => this.#setKind(kind), unit: (unit) => this.#setUnit(unit), finish: () => this.#finish(), takeBack: () => this.#takeBack(),
+      kind: (kind) => this.#setKind(kind), unit: (unit) => this.#setUnit(unit), finish: () => this.#drawing.finish(), takeBack: () => this.#drawing.takeBack(),
       cancel: () => this.#cancel(), undo: () => this.#measures.undo(), redo: () => this.#measures.redo(), select: (id) => this.#select(id),
       change: (id, changes) => this.#measures.change(id, changes), zoom: (id) => this.#zoom(id), copy: (id) => this.#copy(id),
       remove: (id) => this.#remove(id), again: (id, index) => this.#again(id, index), removePoint: (id, index) => this.#measures.removePoint(id, index),
-      tell: (id, facts) => this.#tell(id, facts), close: () => this.activate(false),
+      tell: (id, facts) => this.#tell(id, facts),
     });
     this.#keeping = new Keeping(viewer, this.#measures, {
       overlays: page.overlays, hash: page.hash, unit: () => this.#shownUnit, setUnit: (unit) => this.#setUnit(unit), opened: ({ measures }) => measures.length > 0 && this.activate(true),
@@ -77,28 +81,18 @@ export class Measuring {
     if (viewer.cloud) this.#cloudShown(viewer.cloud);
   }
 
-  get isActive() { return this.#isActive; }
+  get hand() { return this.#hand; }
   /** The project whose measures these are. */
   get keeping() { return this.#keeping; }
 
   /** Outlines that have been measured in plan, for what is asked of the points within: [{ name, points }]; of models with Y up there are none. */
   get outlines() { return this.#measures.list.filter(({ kind, up }) => kinds[kind].closed && up === 'z').map(({ name, points }) => ({ name, points })); }
 
-  activate(isActive = !this.#isActive) {
-    if (isActive === this.#isActive) return;
-    if (!isActive) this.#cancel();
-    this.#isActive = isActive;
-    if (isActive) this.#reading.take(this.#hand);
-    else this.#reading.give(this.#hand);
-    find('measuring').hidden = !isActive;
-    document.body.classList.toggle('measuring', isActive);
-    this.#page.active(isActive);
-    this.#replaced = undefined;
+  opened(isActive) {
+    this.#cancel();
     if (!isActive) {
       this.#selected = undefined;
       this.#marks.point(undefined);
-      document.body.classList.remove('aiming');
-      find('picture').focus({ preventScroll: true, focusVisible: false });
     }
     this.#show();
     this.#showList();
@@ -110,7 +104,8 @@ export class Measuring {
     const isOther = cloud.id !== this.#cloud?.id;
     this.#cloud = cloud;
     if (isOther) {
-      this.#draft = this.#selected = this.#replaced = this.#moved = undefined;
+      this.#selected = this.#replaced = this.#moved = undefined;
+      this.#drawing.cancel();
       if (!measuresLengths(cloud.crsUnit)) this.#kind = 'point';
     }
     this.#panel.setCloud(cloud, this.#kind, this.#shownUnit);
@@ -170,7 +165,8 @@ export class Measuring {
       this.#movePoint({ id, index, cursor });
       return;
     }
-    this.#place(cursor);
+    this.#selected = undefined;
+    this.#drawing.place(cursor);
   }
 
   /** How near to a point those are at first that a shape is fitted to: some spacings of the scan, and as far as a column is thick. */
@@ -179,48 +175,21 @@ export class Measuring {
     return Number(Math.max(10 * (this.#cloud?.spacing ?? 0), 0.25 / factor).toPrecision(2));
   }
 
-  /** The next point, at the cursor. */
-  async #place(cursor) {
-    const draft = this.#draft ?? new Draft(this.#kind, usualUpAxis(this.#viewer.cloud), kinds[this.#kind].fits ? this.#usualWithin : undefined);
-    if (!this.#cloud || !draft.takesMore) return;
-    this.#draft = draft;
-    this.#selected = undefined;
-    const place = draft.add(this.#viewer.surfaceAt(cursor)?.point);
-    this.#show();
-    const found = await pickOr(this.#viewer, this.#page.overlays, cursor);
-    if (draft !== this.#draft || !draft.places.includes(place)) return; // given up meanwhile
-    draft.settle(place, found);
-    if (found) {
-      this.#reading.coordinates.exact(found.position, stepOf(found), cursor, found.cloud);
-      this.#panel.say(words.said.point(draft.places.indexOf(place) + 1, axesText(found.position, stepOf(found))));
-    }
-    this.#settled();
+  #begin() {
+    if (!this.#cloud) return undefined;
+    return new Draft(this.#kind, usualUpAxis(this.#viewer.cloud), kinds[this.#kind].fits ? this.#usualWithin : undefined);
   }
 
   /** A point, or a label, that is there already: the next point of what is being made, where there is such a thing. */
   #touched(id, index) {
     const measure = this.#measures.find(id);
-    if (!this.#draft || index === undefined) {
+    if (!this.#drawing.draft || index === undefined) {
       this.#select(id, index);
       return;
     }
-    if (!measure || !this.#draft.takesMore) return;
+    if (!measure) return;
     const step = [measure.step, measure.step, measure.step];
-    this.#draft.settle(this.#draft.add(measure.points[index]), { position: measure.points[index], precision: step, ...measure.more });
-    this.#settled();
-  }
-
-  #settled() {
-    const draft = this.#draft;
-    if (draft.places.length === 0) this.#draft = undefined;
-    const measure = draft.measure;
-    if (measure) {
-      this.#draft = undefined;
-      this.#add(measure);
-    } else if (draft.closing && !draft.isPending) {
-      draft.closing = false; // a point was clicked twice: more are needed
-    }
-    this.#show();
+    this.#drawing.add({ position: measure.points[index], precision: step, ...measure.more });
   }
 
   #add(measure) {
@@ -228,32 +197,16 @@ export class Measuring {
     const id = this.#measures.add({ ...measure, name });
     if (id === undefined) {
       this.#page.overlays.toast(words.messages.tooMany, words.messages.tooManyDetail(mostMeasures));
-      return;
+      return true;
     }
     this.#select(id);
     this.#panel.say(words.said.measured(name, this.#textOf(this.#measures.find(id)) || axesText(measure.points[0], measure.step)));
-  }
-
-  #finish() {
-    const draft = this.#draft;
-    if (!draft) return;
-    if (draft.lacks > 0) {
-      this.#page.overlays.toast(words.messages.tooFew(draft.lacks), '', 'done');
-      return;
-    }
-    draft.closing = true;
-    this.#settled();
-  }
-
-  #takeBack() {
-    this.#draft?.removeLast();
-    if (this.#draft?.places.length === 0) this.#draft = undefined;
-    this.#show();
+    return true;
   }
 
   #cancel() {
-    this.#draft = this.#replaced = undefined;
-    this.#show();
+    this.#replaced = undefined;
+    this.#drawing.cancel();
   }
 
   // ---- what has been measured
@@ -346,7 +299,7 @@ export class Measuring {
     const marks = this.#measures.list.filter(({ visible, id }) => visible || id === this.#selected?.id).map((known) => {
       const isMoved = this.#moved?.id === known.id;
       const measure = isMoved ? { ...known, points: this.#moved.points } : known;
-      const selected = this.#isActive && known.id === this.#selected?.id;
+      const selected = this.isActive && known.id === this.#selected?.id;
       const text = this.#textOf(measure) || measure.name;
       return { measure, look: { key: `${selected} ${text} ${isMoved}`, selected, drawn: isMoved, text, leg, heights } };
     });
@@ -356,28 +309,26 @@ export class Measuring {
     const point = this.#selected?.index;
     for (const node of find('marks').querySelectorAll('.handle.chosen')) node.classList.remove('chosen');
     if (point !== undefined) find('marks').querySelector(`.handle.point[data-measure="${this.#selected.id}"][data-index="${point}"]`)?.classList.add('chosen');
-    if (this.#isActive) this.#panel.showTask(this.#draft?.kind ?? this.#kind, this.#draft, this.#replaced?.index);
+    const { draft: made } = this.#drawing;
+    if (this.isActive) this.#panel.showTask(made?.kind ?? this.#kind, made, this.#replaced?.index);
   }
 
   /** What is being made, with the place under the cursor as its next point. */
   #draftMark(leg, heights) {
-    const draft = this.#draft;
-    if (!draft || draft.points.length === 0) return undefined;
-    const placed = draft.places.filter(({ at }) => at);
-    const under = draft.takesMore && this.#reading.cursor ? this.#viewer.surfaceAt(this.#reading.cursor)?.point : undefined;
-    const points = [...placed.map(({ at }) => at), ...(under ? [under] : [])];
-    const measure = { id: 'draft', kind: draft.kind, up: draft.up, visible: true, points, step: 0.005 };
+    const { draft, shown } = this.#drawing;
+    if (!shown || draft.points.length === 0) return undefined;
+    const measure = { id: 'draft', kind: draft.kind, up: draft.up, visible: true, points: shown.points, step: 0.005 };
     const text = this.#textOf(measure);
-    return { measure, look: { key: '', selected: false, drawn: true, pending: [...placed.map(({ pending }) => pending), true], text: text && `≈ ${text}`, leg, heights } };
+    return { measure, look: { key: '', selected: false, drawn: true, pending: shown.pending, text: text && `≈ ${text}`, leg, heights } };
   }
 
   #showList() {
-    if (this.#isActive) this.#panel.showList(this.#measures, this.#selected?.id, this.#shownUnit);
+    if (this.isActive) this.#panel.showList(this.#measures, this.#selected?.id, this.#shownUnit);
   }
 
   #hover(surface) {
     this.#marks.point(surface?.point);
-    if (this.#draft) this.#show();
+    if (this.#drawing.draft) this.#show();
   }
 
   // ---- keys
@@ -385,12 +336,13 @@ export class Measuring {
   /** Whether the key was of use. */
   #key(name) {
     const { id, index } = this.#selected ?? {};
+    const drawing = this.#drawing;
     const acts = {
-      Escape: () => (this.#draft || this.#replaced ? this.#cancel() : this.#selected ? this.#select(undefined) : this.activate(false)),
-      Enter: () => this.#finish(), // also where nothing is to be ended: nobody who measures wants to fly off by it
-      ' ': () => this.#clicked(this.#middle),
-      Backspace: this.#draft ? () => this.#takeBack() : index !== undefined && (() => this.#measures.removePoint(id, index)),
-      undo: this.#draft ? () => this.#takeBack() : this.#measures.canUndo && (() => this.#measures.undo()),
+      Escape: () => (drawing.draft || this.#replaced ? this.#cancel() : this.#selected ? this.#select(undefined) : this.activate(false)),
+      Enter: () => drawing.finish(), // also where nothing is to be ended: nobody who measures wants to fly off by it
+      ' ': () => this.#clicked(drawing.middle),
+      Backspace: drawing.draft ? () => drawing.takeBack() : index !== undefined && (() => this.#measures.removePoint(id, index)),
+      undo: drawing.draft ? () => drawing.takeBack() : this.#measures.canUndo && (() => this.#measures.undo()),
       redo: this.#measures.canRedo && (() => this.#measures.redo()),
     };
     const act = acts[name === 'Delete' ? 'Backspace' : name];
@@ -398,10 +350,5 @@ export class Measuring {
     act();
     document.body.classList.toggle('aiming', name === ' ');
     return true;
-  }
-
-  get #middle() {
-    const { width, height } = this.#viewer.cssSize;
-    return { x: width / 2, y: height / 2 };
   }
 }

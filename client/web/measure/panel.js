@@ -2,7 +2,7 @@
 // is text and buttons, so it is the measurements' other face: for keys and for screen readers.
 
 import { Choices } from '../page/choices.js';
-import { focusOn, headOf, keyed, leavesByEscape } from '../page/entries.js';
+import { focusOn, headOf, keyed, leavesByEscape } from '../page/cards/entries.js';
 import { icon } from '../page/icons.js';
 import { element } from '../page/parameter_fields.js';
 import { measure as words } from '../page/strings/measure.js';
@@ -34,14 +34,14 @@ export class Panel {
 
   /**
    * `does`: kind(kind), unit(unit), finish(), takeBack(), cancel(), undo(), redo(), select(id or undefined), change(id, changes), zoom(id),
-   * copy(id), remove(id), again(id, index), removePoint(id, index), tell(id, facts), close().
+   * copy(id), remove(id), again(id, index), removePoint(id, index), tell(id, facts).
    */
   constructor(does) {
     this.#does = does;
     this.#kinds = new Choices(find('measure-kinds'), (kind) => does.kind(kind));
     this.#unit = new Choices(find('measure-unit'), (unit) => does.unit(unit));
     for (const [id, act] of Object.entries({
-      'close-measuring': 'close', 'measure-done': 'finish', 'measure-take-back': 'takeBack', 'measure-cancel': 'cancel', 'measure-undo': 'undo', 'measure-redo': 'redo',
+      'measure-done': 'finish', 'measure-take-back': 'takeBack', 'measure-cancel': 'cancel', 'measure-undo': 'undo', 'measure-redo': 'redo',
     })) find(id).addEventListener('click', () => does[act]());
     find('measure-undo').append(icon('undo'));
     find('measure-redo').append(icon('redo'));

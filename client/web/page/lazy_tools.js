@@ -38,12 +38,14 @@ export function loadStyle(name) {
   return sheets.get(name);
 }
 
-/** Puts a card (styles/card.css) beside the rail; `words` has the strings that its data-text, data-label and data-tip name. */
+/** Puts a card (styles/card.css) beside the rail, and returns it; `words` has the strings that its data-text, data-label and data-tip name. */
 export function putCard(markup, words) {
   const template = document.createElement('template');
   template.innerHTML = markup;
   fillStrings(template.content, words);
+  const [card] = /** @type {any} */ (template.content.children);
   find('hud').before(template.content);
+  return card;
 }
 
 export class LazyPart {

@@ -8,6 +8,9 @@ const between = ([ax, ay], [bx, by]) => Math.hypot(bx - ax, by - ay);
 /** The line's corners in plan, of points of which two in a row may stand above each other. */
 export const lineOf = (points) => points.map(([x, y]) => [x, y]).filter(([x, y], i, all) => i === 0 || x !== all[i - 1][0] || y !== all[i - 1][1]);
 
+/** Points in space, moved by that; there and back again is where they were. */
+export const movedBy = (points, by) => points.map((point) => point.map((value, axis) => (by[axis] === 0 ? value : Number((value + by[axis]).toPrecision(15)))));
+
 /** The station of each corner. */
 export function stationsOf(line) {
   const stations = [0];

@@ -2,9 +2,9 @@
 
 import { Marks } from '../measure/marks.js';
 import { Places } from '../measure/places.js';
+import { svgIn } from '../page/plan/svg.js';
 import { outlineOf } from './line.js';
 
-const namespace = 'http://www.w3.org/2000/svg';
 const id = 1; // there is one line
 
 export class LineMarks {
@@ -20,9 +20,7 @@ export class LineMarks {
     this.root.setAttribute('aria-hidden', 'true');
     document.getElementById('marks').after(this.root);
     this.#marks = new Marks(this.root, viewer);
-    this.#spot = document.createElementNS(namespace, 'circle');
-    this.#spot.setAttribute('class', 'over-all');
-    this.root.querySelector('svg').append(this.#spot);
+    this.#spot = svgIn(this.root.querySelector('svg'), 'circle', 'over-all');
     viewer.addEventListener('shown', () => this.#place());
     this.spot(undefined);
   }

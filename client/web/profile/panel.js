@@ -20,7 +20,7 @@ export class ProfilePanel {
 
   /**
    * `does`: wants(edges, view, ratio) - a picture of that part; placeOf({ station, height }), in the scan's coordinates; hover(that, or undefined); again();
-   * only(); save(format); stop(), of what is being saved; close()
+   * only(); save(format); mayExport(), whether points are to be had; stop(), of what is being saved; close()
    */
   constructor(does) {
     this.#does = does;
@@ -48,6 +48,7 @@ export class ProfilePanel {
       does.save(format);
     });
     files.addEventListener('beforetoggle', () => {
+      for (const button of files.querySelectorAll('[data-format]')) button.hidden = button.dataset.format !== 'png' && !does.mayExport();
       const { left, bottom } = find('profile-save').getBoundingClientRect();
       files.style.left = `${Math.max(4, Math.min(left, innerWidth - 190))}px`;
       files.style.top = `${Math.min(bottom + 4, innerHeight - 210)}px`;

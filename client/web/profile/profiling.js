@@ -3,20 +3,21 @@
 
 import { mostShapes } from '../clip/box.js';
 import { postSoon } from '../export/asking.js';
+import { coloursOf, regionOf } from '../export/region.js';
 import { sizeText } from '../export/sizes.js';
 import { chooseTarget, downloadBlob, saveAnswer } from '../export/saving.js';
 import { Draft } from '../measure/draft.js';
-import { stepOf } from '../measure/hand.js';
+import { Drawing } from '../measure/drawing.js';
 import { pickOr } from '../measure/picking.js';
 import { measuresLengths, unitOf, valueText } from '../measure/units.js';
 import { usualUpAxis } from '../view/usual.js';
-import { putCard } from '../page/lazy_tools.js';
 import { ownShift } from '../page/members.js';
 import { counted, strings } from '../page/strings.js';
 import { profile as words } from '../page/strings/profile.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { isEmpty, partQuestion, pointSizeFor, pointsQuestion, toldBy, wholeQuestion } from './asking.js';
 import { card } from './card.js';
-import { boxesAround, lengthOf, lineOf, placeAt } from './line.js';
+import { boxesAround, lengthOf, lineOf, movedBy, placeAt } from './line.js';
 import { LineMarks } from './line_marks.js';
 import { ProfilePanel } from './panel.js';
 import { plotSize } from './paint.js';
@@ -26,19 +27,18 @@ const find = (id) => document.getElementById(id);
 const touch = matchMedia('(pointer: coarse)');
 const againMs = 250; // after the view shows other points
 
-export class Profiling {
+export class Profiling extends ToolCard {
   #viewer;
   #page;
   #marks;
   #panel;
   #hand;
-  #isActive = false;
   #cloud;
-  #draft;
-  #points = []; // of the line, in space
+  #drawing; // of the next line
+  #points = []; // of the line, where the scan's file has them: of one that is shifted, they are seen elsewhere (#seen)
   #step = 0;
   #width;
-  #moved; // the points while one of them is being dragged
+  #moved; // the same while one of them is being dragged
   #asking; // of the picture that is on its way
   #saving; // of the file that is
   #counted; // what the view shows of the scan, as it was asked for last
@@ -46,24 +46,25 @@ export class Profiling {
 
   /** `page`: { overlays, reading (whose hand it takes), active(isActive) } */
   constructor(viewer, page) {
+    super({ card, words, ...page });
     this.#viewer = viewer;
     this.#page = page;
-    putCard(card, words);
     this.#marks = new LineMarks(viewer);
     page.reading.hand.watch(this.#marks.root);
+    const drawing = new Drawing(viewer, page, { begin: () => this.#begin(), made: (measure) => this.#made(measure), show: () => this.#show() });
+    this.#drawing = drawing;
     this.#hand = {
-      click: (cursor) => this.#place(cursor), finish: () => this.#finish(), hover: (surface) => this.#hover(surface), drag: (dragged) => this.#drag(dragged),
+      click: (cursor) => drawing.place(cursor), finish: () => drawing.finish(), hover: (surface) => this.#hover(surface), drag: (dragged) => this.#drag(dragged),
       drop: (dragged) => this.#drop(dragged), let: () => this.#let(), select: () => {}, key: (name) => this.#key(name),
     };
     this.#panel = new ProfilePanel({
       wants: (edges, view, ratio) => this.#askPart(edges, view, ratio), placeOf: (place) => [...placeAt(this.#line, place.station), place.height],
-      hover: (place) => this.#marks.spot(place && [...placeAt(this.#line, place.station), place.height]),
-      again: () => this.#again(), only: () => this.#only(), save: (format) => this.#save(format), stop: () => this.#saving?.abort(), close: () => this.activate(false),
+      hover: (place) => this.#marks.spot(place && this.#seen([[...placeAt(this.#line, place.station), place.height]])[0]),
+      again: () => this.#again(), only: () => this.#only(), save: (format) => this.#save(format), mayExport: () => viewer.server.access.mayExport, stop: () => this.#saving?.abort(), close: () => this.close(),
     });
     const on = (id, act) => find(id).addEventListener('click', act);
-    on('close-profiling', () => this.activate(false));
-    on('profile-done', () => this.#finish());
-    on('profile-take-back', () => this.#takeBack());
+    on('profile-done', () => drawing.finish());
+    on('profile-take-back', () => drawing.takeBack());
     on('profile-cancel', () => this.#cancel());
     find('profile-width').addEventListener('change', () => this.#setWidth(find('profile-width').valueAsNumber));
     viewer.addEventListener('cloud', ({ detail }) => this.#cloudShown(detail));
@@ -71,26 +72,21 @@ export class Profiling {
     if (viewer.cloud) this.#cloudShown(viewer.cloud);
   }
 
-  get isActive() { return this.#isActive; }
+  get hand() { return this.#hand; }
   get #line() { return lineOf(this.#points); }
   get #profile() { return { line: this.#line, width: this.#width }; }
+  get #shift() { return ownShift(this.#viewer.view) ?? [0, 0, 0]; }
 
-  activate(isActive = !this.#isActive) {
-    if (isActive === this.#isActive) return;
-    if (!isActive) this.#cancel();
-    this.#isActive = isActive;
-    if (isActive) this.#page.reading.take(this.#hand);
-    else {
-      this.#page.reading.give(this.#hand);
+  /** Points of the scan's file, where they are seen, and the other way round. */
+  #seen(points) { return movedBy(points, this.#shift); }
+  #inFile(points) { return movedBy(points, this.#shift.map((value) => -value)); }
+
+  opened(isActive) {
+    this.#cancel();
+    if (!isActive) {
       this.#asking?.abort();
       this.#saving?.abort();
-      document.body.classList.remove('aiming');
-      find('picture').focus({ preventScroll: true, focusVisible: false });
     }
-    find('profiling').hidden = !isActive;
-    document.body.classList.toggle('profiling', isActive);
-    this.#page.active(isActive);
-    this.#show();
     if (isActive && this.#points.length > 1) this.#draw();
     else this.#panel.show(false, this.#cloud);
   }
@@ -102,8 +98,9 @@ export class Profiling {
       this.#asking?.abort();
       this.#saving?.abort();
       this.#panel.plot.begin();
-      this.#draft = this.#moved = undefined;
+      this.#moved = undefined;
       this.#points = [];
+      this.#drawing.cancel();
       // Some spacings of the scan, and as thick as a wall.
       const { factor } = unitOf(cloud.crsUnit, 'm');
       this.#width = Number(Math.max(6 * (cloud.spacing ?? 0), 0.5 / factor).toPrecision(1));
@@ -119,14 +116,15 @@ export class Profiling {
 
   /** Other classes, other boxes, other colours: another picture. */
   #viewChanged() {
+    if (this.#points.length > 0) this.#show(); // a shift moves the line with the scan
     if (!this.#panel.isOpen || this.#shownAs === this.#counted) return;
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#panel.isOpen && this.#draw({ isSameLine: true }), againMs);
   }
 
   get #shownAs() {
-    const { color, colormap, range, exposure, classes, clip, clips } = this.#viewer.view;
-    return JSON.stringify([color, colormap, range, exposure, classes, clip, clips, this.#cloud?.revision]);
+    const { view } = this.#viewer;
+    return JSON.stringify([coloursOf(view), regionOf(view), this.#cloud?.revision]);
   }
 
   #setWidth(width) {
@@ -141,49 +139,24 @@ export class Profiling {
   get #isUpright() { return !this.#cloud || usualUpAxis(this.#cloud) === 'z'; } // the server's profiles stand on x and y
   get #isAble() { return measuresLengths(this.#cloud?.crsUnit) && this.#isUpright; }
 
-  async #place(cursor) {
-    if (!this.#cloud || !this.#isAble || (!this.#draft && this.#points.length > 0)) return;
-    const draft = this.#draft ?? new Draft('horizontal', 'z');
-    if (!draft.takesMore) return;
-    this.#draft = draft;
-    const place = draft.add(this.#viewer.surfaceAt(cursor)?.point);
-    this.#show();
-    const found = await pickOr(this.#viewer, this.#page.overlays, cursor);
-    if (draft !== this.#draft || !draft.places.includes(place)) return; // given up meanwhile
-    draft.settle(place, found);
-    if (found) this.#page.reading.coordinates.exact(found.position, stepOf(found), cursor);
-    this.#settled();
+  #begin() {
+    return this.#cloud && this.#isAble && this.#points.length === 0 ? new Draft('horizontal', 'z') : undefined;
   }
 
-  #settled() {
-    const draft = this.#draft;
-    if (draft.places.length === 0) this.#draft = undefined;
-    const { measure } = draft;
-    if (measure && lengthOf(lineOf(measure.points)) > 0) {
-      this.#draft = undefined;
-      this.#points = measure.points;
-      this.#step = measure.step;
+  /** Whether that is a line: points above each other are none. */
+  #made({ points, step }) {
+    const isLine = lengthOf(lineOf(points)) > 0;
+    if (isLine) {
+      this.#points = this.#inFile(points);
+      this.#step = step;
       this.#draw();
-    } else if (draft.closing && !draft.isPending) draft.closing = false; // a point was clicked twice: more are needed
-    this.#show();
-  }
-
-  #finish() {
-    const draft = this.#draft;
-    if (!draft || draft.lacks > 0) return;
-    draft.closing = true;
-    this.#settled();
-  }
-
-  #takeBack() {
-    this.#draft?.removeLast();
-    if (this.#draft?.places.length === 0) this.#draft = undefined;
-    this.#show();
+    }
+    return isLine;
   }
 
   #cancel() {
-    this.#draft = this.#moved = undefined;
-    this.#show();
+    this.#moved = undefined;
+    this.#drawing.cancel();
   }
 
   #again() {
@@ -196,15 +169,15 @@ export class Profiling {
 
   #drag({ index, isNew, cursor }) {
     const surface = this.#viewer.surfaceAt(cursor);
-    if (!surface || this.#draft) return;
-    this.#moved = this.#points.toSpliced(index, isNew ? 0 : 1, surface.point);
+    if (!surface || this.#drawing.draft) return;
+    this.#moved = this.#points.toSpliced(index, isNew ? 0 : 1, ...this.#inFile([surface.point]));
     this.#show();
   }
 
   async #drop({ index, isNew, cursor }) {
-    const found = this.#draft ? undefined : await pickOr(this.#viewer, this.#page.overlays, cursor);
+    const found = this.#drawing.draft ? undefined : await pickOr(this.#viewer, this.#page.overlays, cursor);
     this.#moved = undefined;
-    const points = found && this.#points.toSpliced(index, isNew ? 0 : 1, found.position);
+    const points = found && this.#points.toSpliced(index, isNew ? 0 : 1, ...this.#inFile([found.position]));
     if (points && lineOf(points).length > 1) {
       this.#points = points;
       this.#draw();
@@ -219,17 +192,17 @@ export class Profiling {
 
   #hover(surface) {
     this.#marks.point(this.#points.length === 0 ? surface?.point : undefined);
-    if (this.#draft) this.#show();
+    if (this.#drawing.draft) this.#show();
   }
 
   #key(name) {
-    const { width, height } = this.#viewer.cssSize;
+    const drawing = this.#drawing;
     const acts = {
-      Escape: () => (this.#draft ? this.#cancel() : this.activate(false)),
-      Enter: this.#draft && (() => this.#finish()),
-      ' ': this.#points.length === 0 && (() => this.#place({ x: width / 2, y: height / 2 })),
-      Backspace: this.#draft && (() => this.#takeBack()),
-      undo: this.#draft && (() => this.#takeBack()),
+      Escape: () => (drawing.draft ? this.#cancel() : this.close()),
+      Enter: drawing.draft && (() => drawing.finish()),
+      ' ': this.#points.length === 0 && (() => drawing.place(drawing.middle)),
+      Backspace: drawing.draft && (() => drawing.takeBack()),
+      undo: drawing.draft && (() => drawing.takeBack()),
     };
     const act = acts[name];
     if (!act) return false;
@@ -241,18 +214,16 @@ export class Profiling {
   // ---- what is seen
 
   #show() {
-    const draft = this.#draft;
-    const placed = draft?.places.filter(({ at }) => at) ?? [];
-    const under = draft?.takesMore && this.#page.reading.cursor ? this.#viewer.surfaceAt(this.#page.reading.cursor)?.point : undefined;
-    const points = draft ? [...placed.map(({ at }) => at), ...(under ? [under] : [])] : this.#moved ?? this.#points;
+    const { draft, shown: made } = this.#drawing;
+    const points = made?.points ?? this.#seen(this.#moved ?? this.#points);
     const shown = unitOf(this.#cloud?.crsUnit, undefined);
     const text = points.length > 1 ? valueText({ quantity: 'length', value: lengthOf(lineOf(points)), error: Math.max(this.#step, 0.005) }, shown) : '';
     this.#marks.show({
-      points: this.#isActive ? points : [], step: this.#step, width: this.#width, text, drawn: Boolean(draft || this.#moved),
-      pending: draft ? [...placed.map(({ pending }) => pending), true] : [],
+      points: this.isActive ? points : [], step: this.#step, width: this.#width, text, drawn: Boolean(draft || this.#moved),
+      pending: made?.pending ?? [],
     });
-    if (!this.#isActive) return;
-    const how = !this.#isUpright ? words.notUpright : !this.#isAble ? words.degrees : this.#points.length > 0 && !draft ? words.drawn : words.how(touch.matches);
+    if (!this.isActive) return;
+    const how = !this.#isUpright ? words.notUpright : !this.#isAble ? words.degrees : this.#points.length > 0 && !draft ? words.drawn(Boolean(ownShift(this.#viewer.view))) : words.how(touch.matches);
     find('profile-how').textContent = draft && !touch.matches ? `${how} ${words.keys}` : how;
     find('profile-draft').hidden = !draft;
     if (draft) find('profile-done').disabled = draft.lacks > 0 || draft.closing;
@@ -270,7 +241,7 @@ export class Profiling {
       await this.#ask(small, words.none, (told, image) => {
         image.close();
         find('profile-said').textContent = words.points(counted(told.points, 'point'));
-        this.#panel.say(ownShift(this.#viewer.view) ? words.shifted : '');
+        this.#panel.say('');
         plot.renew({ length: told.length, heights: told.heights });
       });
       return;
@@ -280,7 +251,7 @@ export class Profiling {
     const ask = wholeQuestion(this.#profile, this.#viewer.view, { width: Math.round(size.width * plot.ratio), height: Math.round(size.height * plot.ratio) }, Math.round(1.5 * plot.ratio));
     await this.#ask(ask, words.none, (told, image) => {
       find('profile-said').textContent = words.points(counted(told.points, 'point'));
-      this.#panel.say(ownShift(this.#viewer.view) ? words.shifted : '');
+      this.#panel.say('');
       plot.know({ length: told.length, heights: told.heights });
       plot.show({ image, left: 0, right: told.right, bottom: told.bottom, top: told.top });
     });
@@ -294,7 +265,7 @@ export class Profiling {
       return;
     }
     this.#ask(part.question, words.nothing, (told, image) => {
-      this.#panel.say(ownShift(this.#viewer.view) ? words.shifted : '');
+      this.#panel.say('');
       this.#panel.plot.show({ image, left: part.from, right: part.from + told.right, bottom: told.bottom, top: told.top });
     });
   }
@@ -325,7 +296,7 @@ export class Profiling {
   }
 
   #only() {
-    const boxes = boxesAround(this.#line, this.#width, this.#viewer.bounds);
+    const boxes = boxesAround(lineOf(this.#seen(this.#points)), this.#width, this.#viewer.bounds);
     // What takes away goes on doing so; what keeps something else would keep that beside the corridor.
     const others = (this.#viewer.view.clips ?? []).filter(({ plane, keep }) => plane || keep === 'outside');
     if (boxes && boxes.length + others.length <= mostShapes) this.#viewer.changeStyle({ clips: [...others, ...boxes] });

@@ -2,12 +2,12 @@
 // shown is the view's own word `with`, so the address, undo and links hold it, and the server draws all of them into one picture.
 
 import { counted } from '../page/strings.js';
-import { focusOn, keyed } from '../page/entries.js';
+import { focusOn, keyed } from '../page/cards/entries.js';
 import { icon } from '../page/icons.js';
-import { putCard } from '../page/lazy_tools.js';
 import { itself, membersOf, wordOf } from '../page/members.js';
 import { element } from '../page/parameter_fields.js';
 import { together as words } from '../page/strings/together.js';
+import { ToolCard } from '../page/cards/tool_card.js';
 import { mostMembers } from '../protocol/view_words.js';
 import { card } from './card.js';
 
@@ -16,6 +16,7 @@ const find = (id) => document.getElementById(id);
 const axes = ['X', 'Y', 'Z'];
 const stepsFor = ({ crsUnit }) => [0.001, 0.01, 0.1, 1, 10].map((step) => (crsUnit === 'degree' ? step / 1e5 : step));
 const mostListed = 30;
+const byShapes = 'eyedome';
 const searchedFrom = 8; // so many others are found without
 
 /** Why a cloud cannot be shown together with this one; '' where it can. Pure. */
@@ -42,44 +43,29 @@ export function othersOf(own, shown, { clouds, pending = [] }, search = '') {
 /** A coordinate of a shift, one step on; without the dust of binary fractions. Pure. */
 export const stepped = (value, step) => Number((value + step).toPrecision(12));
 
-export class Together {
+export class Together extends ToolCard {
   #viewer;
-  #active;
-  #isActive = false;
   #open; // the cloud whose shift is open
   #step = 0.1;
   #rows = new Map(); // cloud → { node, show(member) }
   #listed = ''; // what the rows are of
   #offered = '';
+  #isLit = false; // because it is coloured by cloud
 
   /** `active(isActive)` hears of it. */
   constructor(viewer, active) {
+    super({ card, words, active });
     this.#viewer = viewer;
-    this.#active = active;
-    putCard(card, words);
     viewer.addEventListener('view', ({ detail }) => detail.by !== 'hand' && this.#show());
     for (const name of ['cloud', 'clouds']) viewer.addEventListener(name, () => this.#show());
     const on = (id, act) => find(id).addEventListener('click', act);
-    on('close-together', () => this.activate(false));
     on('together-fit', () => viewer.showStandardView('fit'));
     on('together-none', () => this.#put([]));
-    on('together-color', () => viewer.changeStyle({ color: viewer.view.color === 'cloud' ? 'auto' : 'cloud', range: null }));
+    on('together-color', () => viewer.changeStyle(this.#colours(viewer.view.color !== 'cloud')));
     find('together-search').addEventListener('input', () => this.#showOthers());
-    addEventListener('keydown', (event) => {
-      if (event.key === 'Escape' && this.#isActive && !event.defaultPrevented && !document.querySelector('dialog[open]')) this.activate(false);
-    });
   }
 
-  get isActive() { return this.#isActive; }
-
-  activate(isActive = !this.#isActive) {
-    if (isActive === this.#isActive) return;
-    this.#isActive = isActive;
-    find('together').hidden = !isActive;
-    this.#active(isActive);
-    this.#show();
-    if (!isActive) find('picture').focus({ preventScroll: true, focusVisible: false });
-  }
+  opened() { this.#show(); }
 
   get #members() {
     const { view, cloud, catalog } = this.#viewer;
@@ -88,9 +74,16 @@ export class Together {
 
   #put(members) {
     const word = wordOf(members);
-    const { color } = this.#viewer.view;
-    // Colours that tell clouds apart mean nothing of one alone.
-    this.#viewer.changeStyle({ with: word, ...(word || color !== 'cloud' ? {} : { color: 'auto' }) });
+    const isMeant = word !== null || this.#viewer.view.color !== 'cloud'; // colours that tell clouds apart mean nothing of one alone
+    this.#viewer.changeStyle({ with: word, ...(isMeant ? {} : this.#colours(false)) });
+  }
+
+  /** Each in a colour of its own, or not: that alone shows no shapes, so it is lit by them, unless somebody chose how. */
+  #colours(byCloud) {
+    const { shading } = this.#viewer.view;
+    const isOurs = byCloud ? (shading ?? 'auto') === 'auto' : this.#isLit && shading === byShapes;
+    this.#isLit = byCloud && isOurs;
+    return { color: byCloud ? 'cloud' : 'auto', range: null, ...(isOurs ? { shading: byCloud ? byShapes : null } : {}) };
   }
 
   #change(cloud, changes) {
@@ -102,7 +95,7 @@ export class Together {
   }
 
   #show() {
-    if (!this.#isActive || !this.#viewer.cloud) return;
+    if (!this.isActive || !this.#viewer.cloud) return;
     const members = this.#members;
     const listed = JSON.stringify([this.#viewer.cloud.id, members.map(({ cloud, name }) => [cloud, name]), this.#open]);
     if (listed !== this.#listed) {

@@ -227,7 +227,8 @@ struct Api::Answers {
                                               {"cloud", pass->cloud},
                                               {"expires", utcText(pass->expires)},
                                               {"linkExpires", utcText(pass->until)},
-                                              {"expiresInSeconds", secondsUntil(pass->expires)}});
+                                              {"expiresInSeconds", secondsUntil(pass->expires)},
+                                              {"mayExport", api.options_.points.guestsMayExport}});
         return asSecret(std::move(response));
     }
 

@@ -1,9 +1,10 @@
 // A small film of somebody who measures, and draws a profile: the page driven by a mouse that one sees, a picture for every step, joined by ffmpeg.
 //
-//   scancast serve town.scan &
+//   scancast generate town --points 5M -o town.las && scancast ingest town.las -o town.scan && scancast serve town.scan &
 //   node tests/browser/measure/measuring_film.mjs http://127.0.0.1:8080/ measuring.mp4 [CLOUD]
 //
-// Pictures are taken as fast as this machine can and shown at 12 a second, so the film's time is not the page's.
+// Pictures are taken as fast as this machine can and shown at 12 a second, so the film's time is not the page's. Where is clicked is right for that town: the
+// church's tower, a roof, a street.
 
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, rmSync } from 'node:fs';
@@ -47,13 +48,25 @@ const go = async (to, steps = 8) => {
     await take();
   }
 };
-const click = async (to) => {
-  await go(to);
+let picked = 0; // points that the server has found
+page.on('response', (response) => { if (response.url().endsWith('/pick')) picked += 1; });
+const press = async () => {
   await page.mouse.down();
   await page.mouse.up();
-  await page.waitForTimeout(900); // until the server has found the point
+};
+/** `finds`: the click is on the scan, and the server is to find the point. */
+const click = async (to, { finds = false } = {}) => {
+  await go(to);
+  const before = picked;
+  await press();
+  for (let waited = 0; finds && picked === before; waited += 50) {
+    if (waited > 30_000) throw new Error(`The server found no point for the click at ${to.x}, ${to.y}.`);
+    await page.waitForTimeout(50);
+  }
+  await page.waitForTimeout(finds ? 150 : 300);
   await take(3);
 };
+const pick = (to) => click(to, { finds: true });
 const drag = async (to, steps = 16) => {
   await page.mouse.down();
   await go(to, steps);
@@ -63,8 +76,6 @@ const drag = async (to, steps = 16) => {
   await take(4);
 };
 const middleOf = async (selector) => {
-  // What has been measured scrolls the kinds away, beneath the panel's head.
-  await page.locator(selector).first().evaluate((node) => node.scrollIntoView({ block: 'center' }));
   const { x, y, width, height } = await page.locator(selector).first().boundingBox();
   return { x: x + width / 2, y: y + height / 2 };
 };
@@ -81,23 +92,38 @@ await waitUntilSharp(page, 60_000);
 await take(8);
 await click(await middleOf('#tool-measure'));
 await page.waitForSelector('#measuring', { state: 'visible' }); // it is loaded when it is first used
-for (const place of [{ x: 560, y: 520 }, { x: 720, y: 430 }, { x: 840, y: 520 }]) await click(place);
+const near = 'eye=389500,5819655,100&target=389500,5819765,36&up=0,0,1&projection=perspective&fov=45';
+const look = async () => {
+  await page.evaluate((hash) => { location.hash = hash; }, `#cloud=${cloud}&${near}`);
+  for (let i = 0; i < 4; ++i) {
+    await page.waitForTimeout(60);
+    await take();
+  }
+  await page.waitForTimeout(500);
+  await waitUntilSharp(page, 60_000);
+  await take(6);
+};
+await look();
+/** How many have been measured; the newest one's words. */
+const measured = async (count) => {
+  await page.waitForFunction((wanted) => document.querySelectorAll('#measure-list .name').length === wanted, count);
+  await take(8);
+};
+for (const place of [{ x: 891, y: 534 }, { x: 844, y: 387 }, { x: 799, y: 300 }]) await pick(place);
 await page.keyboard.press('Enter');
-await take(6);
+await measured(1);
 await go({ x: 800, y: 360 });
 await drag({ x: 600, y: 330 }, 24);
 await go({ x: 620, y: 250 });
 await drag({ x: 820, y: 280 }, 24);
-await page.keyboard.press('Home'); // as at the beginning
-await page.waitForTimeout(800);
-await waitUntilSharp(page, 60_000);
-await take(4);
+await look(); // as before
 await kind('height');
-for (const place of [{ x: 620, y: 300 }, { x: 622, y: 220 }]) await click(place);
+for (const place of [{ x: 639, y: 211 }, { x: 640, y: 82 }]) await pick(place);
+await measured(2);
 await kind('area');
-for (const place of [{ x: 580, y: 580 }, { x: 760, y: 580 }, { x: 745, y: 548 }, { x: 600, y: 548 }]) await click(place);
+for (const place of [{ x: 603, y: 573 }, { x: 727, y: 568 }, { x: 733, y: 628 }, { x: 588, y: 633 }]) await pick(place);
 await page.keyboard.press('Enter');
-await take(10);
+await measured(3);
 await page.keyboard.press('Control+z');
 await take(5);
 await page.keyboard.press('Control+Shift+z');
@@ -106,7 +132,7 @@ await take(12);
 // A profile: the line, what the server finds along it, a measurement there, nearer.
 await click(await middleOf('#tool-profile'));
 await page.waitForSelector('#profiling', { state: 'visible' });
-for (const place of [{ x: 540, y: 420 }, { x: 700, y: 520 }, { x: 860, y: 430 }]) await click(place);
+for (const place of [{ x: 603, y: 372 }, { x: 776, y: 521 }, { x: 963, y: 410 }]) await pick(place);
 await page.keyboard.press('Enter');
 await page.waitForFunction(() => document.getElementById('profile-said').textContent !== '', undefined, { timeout: 30_000 });
 await page.waitForTimeout(1500);

@@ -302,7 +302,7 @@ export class FakeServer {
     for await (const part of request) body += part;
     this.received.push({ type: 'guest-session', token: JSON.parse(body).token });
     if (JSON.parse(body).token === this.guestLink)
-      return json({ token: this.token, cloud: this.clouds[0].id, expiresInSeconds: this.passSeconds });
+      return json({ token: this.token, cloud: this.clouds[0].id, expiresInSeconds: this.passSeconds, mayExport: false });
     return reply(401, 'application/problem+json', JSON.stringify(problem(401, 'Unauthorized', "The guest's time is over.")));
   }
 

@@ -7,7 +7,7 @@ import { axesOf } from '../../../client/web/clip/box.js';
 import { coloursOf, countIn, fileName, limitsOf, regionOf } from '../../../client/web/export/region.js';
 import { save } from '../../../client/web/export/saving.js';
 import { partQuestion, pointsQuestion, wholeQuestion } from '../../../client/web/profile/asking.js';
-import { boxesAround, lengthOf, lineOf, nearestStation, outlineOf, partOf, placeAt, stationsOf } from '../../../client/web/profile/line.js';
+import { boxesAround, lengthOf, lineOf, movedBy, nearestStation, outlineOf, partOf, placeAt, stationsOf } from '../../../client/web/profile/line.js';
 import { apart, edgesOf, exaggerated, fitted, fromPixel, nearestDrawn, panned, ticks, toPixel, usualExaggeration, zoomed } from '../../../client/web/profile/plot_view.js';
 import { dot, subtract } from '../../../client/web/view/vectors.js';
 import { random } from '../support/cameras.mjs';
@@ -20,6 +20,14 @@ const size = { width: 800, height: 200 };
 
 describe('the line of a profile', () => {
   const line = [[400_000, 100], [400_030, 140], [400_030, 190]];
+
+  it('moves with its scan, and is where it was when that is moved back', () => {
+    const points = [[389_527.196, 5_819_788.23, 34.02], [0.1, 0.2, 0.3]];
+    const by = [0.1, -0.3, 1e-3];
+    near(movedBy(points, by)[1], [0.2, -0.1, 0.301]);
+    assert.deepEqual(movedBy(movedBy(points, by), by.map((value) => -value)), points);
+    assert.deepEqual(movedBy(points, [0, 0, 0]), points);
+  });
 
   it('has stations, and places at them', () => {
     assert.deepEqual(stationsOf(line), [0, 50, 100]);

@@ -196,6 +196,7 @@ TEST_F(PointsTest, GuestsGetPicturesAndPointsWhereTheyMay) {
         const json pass = json::parse(
             post(port(), "/api/v1/guest-session", json{{"token", link}}.dump(), {sendsJson}).body);
         const std::vector<std::string> bearer{"Authorization: Bearer " + pass["token"].get<std::string>()};
+        EXPECT_EQ(pass["mayExport"], allowed) << "what the page offers goes by that";
         EXPECT_EQ(ask(json::object(), "points", "one", bearer).status, allowed ? 200 : 403);
         json line{{"line", {{-1, 0}, {3, 0}}}};
         EXPECT_EQ(ask(line, "profile", "one", bearer).status, allowed ? 200 : 403);

@@ -9,3 +9,10 @@ export function svg(tag, attributes = {}, ...children) {
   made.append(...children);
   return made;
 }
+
+/** @returns {any} the same with that class, at the end of `parent` */
+export function svgIn(parent, tag, className = '') {
+  const made = svg(tag, className ? { class: className } : {});
+  parent.append(made);
+  return made;
+}

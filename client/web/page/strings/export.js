@@ -3,6 +3,7 @@
 export const exporting = {
   title: 'Export',
   close: 'Close',
+  guest: 'You look at this scan as a guest. The server gives guests no points and no elevations of it, but orthophotos and pictures.',
   which: 'Which points',
   regions: { all: 'All of the scan', shapes: 'What the boxes and half-spaces leave', polygon: 'Within a measured outline' },
   noShapes: 'Nothing cuts the scan (X).',

@@ -1,7 +1,7 @@
 // Rows of a card's list (styles/card.css, `entries`): their buttons, whose keys say which one had the focus when a list is made anew, and their heads.
 
-import { icon } from './icons.js';
-import { element } from './parameter_fields.js';
+import { icon } from '../icons.js';
+import { element } from '../parameter_fields.js';
 
 /** A button that focusOn() finds by its key. */
 export function keyed(key, properties, act) {

@@ -48,6 +48,9 @@ const WordValues& wordsOfMap(const MapRequest& map) {
 const WordValues& wordsOfMap(const FeatureRequest& request) {
     return request.map.words;
 }
+const WordValues& wordsOfMap(const LegendRequest& request) {
+    return request.words;
+}
 const WordValues& wordsOfMap(const CapabilitiesRequest& request) {
     return request.words;
 }
@@ -140,7 +143,7 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
         case Route::WmtsCapabilities: {
             const auto words = parseMapWords(routed.query);
             if (!words) return asked->refuse(words.error());
-            if (look(asked, *words)) capabilities(asked, {*words}, true);
+            if (const auto view = look(asked, *words)) capabilities(asked, {*words}, *view, true);
             return;
         }
         case Route::MapTile: {
@@ -174,7 +177,8 @@ void MapAnswers::wms(const Shared& asked, std::string_view query) const {
     if (!view) return;
     if (const auto* wanted = std::get_if<MapRequest>(&*parsed)) return map(asked, *wanted, *view);
     if (const auto* wanted = std::get_if<FeatureRequest>(&*parsed)) return feature(asked, *wanted, *view);
-    capabilities(asked, std::get<CapabilitiesRequest>(*parsed), false);
+    if (const auto* wanted = std::get_if<LegendRequest>(&*parsed)) return legend(asked, *wanted, *view);
+    capabilities(asked, std::get<CapabilitiesRequest>(*parsed), *view, false);
 }
 
 void MapAnswers::wmts(const Shared& asked, std::string_view query) const {
@@ -182,7 +186,7 @@ void MapAnswers::wmts(const Shared& asked, std::string_view query) const {
     if (!parsed) return asked->refuse(parsed.error());
     if (const auto* wanted = std::get_if<TileRequest>(&*parsed)) return tile(asked, *wanted);
     const auto& wanted = std::get<CapabilitiesRequest>(*parsed);
-    if (look(asked, wanted.words)) capabilities(asked, wanted, true);
+    if (const auto view = look(asked, wanted.words)) capabilities(asked, wanted, *view, true);
 }
 
 void MapAnswers::tile(const Shared& asked, const TileRequest& tile) const {

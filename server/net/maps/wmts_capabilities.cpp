@@ -49,9 +49,12 @@ std::string wmtsMatrices(std::string_view set, const TileSet& tiles, const std::
     return text + "</TileMatrixSet>\n";
 }
 
-std::string wmtsStyle(std::string_view name, bool isDefault) {
-    return std::string(isDefault ? "<Style isDefault=\"true\">" : "<Style>") +
-           xmlElement("ows:Identifier", name) + "</Style>\n";
+std::string wmtsStyle(const MapFacts& facts, const MapStyle& style) {
+    std::string text = &style == &facts.styles.front() ? "<Style isDefault=\"true\">" : "<Style>";
+    text += xmlElement("ows:Title", style.title) + xmlElement("ows:Identifier", style.name);
+    text += fmt::format("<LegendURL format=\"image/png\" xlink:href=\"{}\" width=\"{}\" height=\"{}\"/>\n",
+                        xmlText(legendAddress(facts, style)), style.legend.width, style.legend.height);
+    return text + "</Style>\n";
 }
 
 std::string wmtsResource(const MapFacts& facts, std::string_view format, std::string_view end) {
@@ -100,8 +103,7 @@ std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud) {
                 wmtsCorner("ows:UpperCorner", (*facts.lonLat)[1], false) + "</ows:WGS84BoundingBox>\n";
     }
     text += xmlElement("ows:Identifier", facts.layer);
-    text += wmtsStyle("default", true);
-    for (const std::string& name : facts.styles) text += wmtsStyle(name, false);
+    for (const MapStyle& style : facts.styles) text += wmtsStyle(facts, style);
     text += "<Format>image/png</Format>\n<Format>image/jpeg</Format>\n";
     if (facts.mercator) text += wmtsLimits(mercatorSet, mercator, *facts.mercator);
     text += wmtsLimits(fileCrs, own, facts.bounds);

@@ -103,6 +103,12 @@ std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud) {
                 wmtsCorner("ows:UpperCorner", (*facts.lonLat)[1], false) + "</ows:WGS84BoundingBox>\n";
     }
     text += xmlElement("ows:Identifier", facts.layer);
+    if (facts.crs && facts.crs->epsg) {
+        const bool swapped = facts.crs->northFirst;
+        text += "<ows:BoundingBox crs=\"" + ownCrs + "\">\n" +
+                wmtsCorner("ows:LowerCorner", facts.bounds[0], swapped) +
+                wmtsCorner("ows:UpperCorner", facts.bounds[1], swapped) + "</ows:BoundingBox>\n";
+    }
     for (const MapStyle& style : facts.styles) text += wmtsStyle(facts, style);
     text += "<Format>image/png</Format>\n<Format>image/jpeg</Format>\n";
     if (facts.mercator) text += wmtsLimits(mercatorSet, mercator, *facts.mercator);

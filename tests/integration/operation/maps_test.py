@@ -397,6 +397,18 @@ class Maps(unittest.TestCase):
         self.assertEqual(xml.fromstring(body).find("{http://www.opengis.net/ogc}ServiceException").get("code"), "StyleNotDefined")
         self.get("wms?REQUEST=GetLegendGraphic&LAYER=plain&STYLE=intensity", 422)
 
+    def test_clients_write_maps_and_legends(self):
+        names = self.path("client.png"), self.path("legend.png")
+        subprocess.run([os.path.join(PROGRAMS, "scancast-client"), "map", self.server.url, "--cloud", "plain", "--crs", "EPSG:25833", "--bbox", ",".join(map(str, BOX)),
+                        "--width", "200", "--height", "200", "--method", "circle", "--shading", "unlit", "--color", "elevation", "--legend", names[1], "-o", names[0]],
+                       check=True, stdout=subprocess.PIPE, timeout=120)
+        map_there, legend_there = (open(name, "rb").read() for name in names)
+        self.assertEqual(map_there, self.map("EPSG:25833", BOX, 200, 200, STYLES="elevation")[1])
+        self.assertEqual(legend_there, self.get("wms?REQUEST=GetLegendGraphic&STYLE=elevation&method=circle&shading=unlit")[1])
+        sys.path.insert(0, os.path.join(ROOT, "client", "python"))
+        import scancast
+        self.assertEqual(scancast.Server(self.server.url).cloud("plain").legend(color="elevation").bytes, legend_there)
+
     def test_errors_are_the_services(self):
         good = {"SERVICE": "WMS", "VERSION": "1.3.0", "REQUEST": "GetMap", "LAYERS": "plain", "CRS": "EPSG:3857", "BBOX": "0,0,1,1", "WIDTH": "8", "HEIGHT": "8"}
         for words, status, code in (({"CRS": "EPSG:25832"}, 400, "InvalidCRS"), ({"LAYERS": "other"}, 400, "LayerNotDefined"), ({"STYLES": "gaudy"}, 400, "StyleNotDefined"),

@@ -13,7 +13,7 @@ namespace {
 struct MapFlags {
     ServerFlags server;
     ViewFlags view;
-    std::string cloud, output;
+    std::string cloud, output, legend;
     MapArea area;
     std::vector<double> box;
     bool opaque = false;
@@ -21,6 +21,11 @@ struct MapFlags {
 
 bool isJpeg(const std::string& name) {
     return name.ends_with(".jpg") || name.ends_with(".jpeg");
+}
+
+std::string checkPictureName(const std::string& name) {
+    return isJpeg(name) || name.ends_with(".png") ? std::string()
+                                                  : "the name " + name + " does not end in .png or .jpg";
 }
 
 /// A map has its size, and no camera.
@@ -44,6 +49,13 @@ Expected<void> run(const MapFlags& flags) {
     if (auto ok = writeFile(flags.output, map->bytes); !ok) return ok;
     sayOn(stdout, "%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), map->bytes.size(), cloud->c_str(),
           map->etag.c_str());
+    if (flags.legend.empty()) return {};
+    const auto legend =
+        server->legend(*cloud, *words, isJpeg(flags.legend) ? PictureFormat::Jpeg : PictureFormat::Png);
+    if (!legend) return passOn(legend);
+    if (auto ok = writeFile(flags.legend, legend->bytes); !ok) return ok;
+    sayOn(stdout, "%s: %zu bytes, what the colours of %s mean\n", flags.legend.c_str(), legend->bytes.size(),
+          flags.output.c_str());
     return {};
 }
 
@@ -57,11 +69,7 @@ void addMap(CLI::App& app, int& exitCode) {
     command
         .add_option("-o,--output", flags->output, "The map to write: JPEG or PNG, by the ending of its name")
         ->type_name("FILE.png|FILE.jpg")
-        ->check([](const std::string& name) {
-            return isJpeg(name) || name.ends_with(".png")
-                       ? std::string()
-                       : "the name " + name + " does not end in .png or .jpg";
-        })
+        ->check(checkPictureName)
         ->required();
     command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
         ->type_name("ID");
@@ -85,6 +93,9 @@ void addMap(CLI::App& app, int& exitCode) {
         ->check(CLI::Range(1, maxPictureSide))
         ->required();
     command.add_flag("--opaque", flags->opaque, "White where no point is; else transparent, of a PNG");
+    command.add_option("--legend", flags->legend, "Where to write what its colours mean, as another picture")
+        ->type_name("FILE.png|FILE.jpg")
+        ->check(checkPictureName);
     flags->view.addTo(command, isOfMaps);
     command.footer(
         "Method, colours, what is cut away and the like are words of a view. Example:\n"

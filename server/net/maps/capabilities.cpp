@@ -67,6 +67,7 @@ MapFacts mapFacts(const Cloud& cloud, const View& view, const GeoReference* geo)
     facts.bounds = {glm::dvec2(cloud.bounds[0]), glm::dvec2(cloud.bounds[1])};
     if (geo == nullptr) return facts;
     facts.crs = geo->file();
+    if (!facts.crs->epsg) facts.wkt = cloud.crsWkt;
     facts.lonLat = boundsIn(WorldCrs::LonLat, facts.bounds, *geo);
     facts.mercator = boundsIn(WorldCrs::WebMercator, facts.bounds, *geo);
     return facts;

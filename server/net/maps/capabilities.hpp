@@ -29,6 +29,7 @@ struct MapFacts {
     WordValues words;              ///< of a view, that addresses shall have
     std::vector<MapStyle> styles;  ///< the default first
     std::optional<FileCrs> crs;    ///< empty: not known
+    std::string wkt;               ///< of that, where it has no number
     MapBounds bounds{};            ///< in the cloud's coordinates
     std::optional<MapBounds> lonLat, mercator;  ///< empty: not known
     int widest = 0;                             ///< px, of a map's side

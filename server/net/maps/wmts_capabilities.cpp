@@ -78,14 +78,20 @@ std::string wmtsOperation(std::string_view name, const MapFacts& facts) {
         name, xmlText(address));
 }
 
+/// Of the set in the cloud's own coordinates. Where it has no number it is told as WKT, which the standard does not know, but GDAL
+/// does: it opens nothing whose system it cannot read.
+std::string wmtsCrs(const MapFacts& facts) {
+    if (facts.crs && facts.crs->epsg) return fmt::format("urn:ogc:def:crs:EPSG::{}", *facts.crs->epsg);
+    if (!facts.wkt.empty()) return facts.wkt;
+    return R"(LOCAL_CS["coordinates of the file",UNIT["unknown",1]])";
+}
+
 }  // namespace
 
 std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud) {
     const TileSet own = fileTiles(cloud), mercator = mercatorTiles();
-    // Programs must know a system by its name; where it has none, they have no use for the set.
-    const std::string ownCrs = facts.crs && facts.crs->epsg
-                                   ? fmt::format("urn:ogc:def:crs:EPSG::{}", *facts.crs->epsg)
-                                   : std::string("file");
+    const std::string ownCrs = wmtsCrs(facts);
+    const bool swapped = facts.crs && facts.crs->epsg && facts.crs->northFirst;
     std::string text =
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Capabilities xmlns=\"http://www.opengis.net/wmts/1.0\" "
         "xmlns:ows=\"http://www.opengis.net/ows/1.1\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" "
@@ -104,7 +110,6 @@ std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud) {
     }
     text += xmlElement("ows:Identifier", facts.layer);
     if (facts.crs && facts.crs->epsg) {
-        const bool swapped = facts.crs->northFirst;
         text += "<ows:BoundingBox crs=\"" + ownCrs + "\">\n" +
                 wmtsCorner("ows:LowerCorner", facts.bounds[0], swapped) +
                 wmtsCorner("ows:UpperCorner", facts.bounds[1], swapped) + "</ows:BoundingBox>\n";
@@ -117,7 +122,7 @@ std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud) {
     text += "</Layer>\n";
     if (facts.mercator) text += wmtsMatrices(mercatorSet, mercator, "urn:ogc:def:crs:EPSG::3857", false, 1);
     const double metres = facts.crs ? facts.crs->metresPerUnit : 1;
-    text += wmtsMatrices(fileCrs, own, ownCrs, facts.crs && facts.crs->northFirst, metres);
+    text += wmtsMatrices(fileCrs, own, ownCrs, swapped, metres);
     text += "</Contents>\n" + fmt::format("<ServiceMetadataURL xlink:href=\"{}\"/>\n",
                                           xmlText(facts.address + "/wmts/1.0.0/WMTSCapabilities.xml"));
     return text + "</Capabilities>\n";

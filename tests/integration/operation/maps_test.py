@@ -326,6 +326,9 @@ class Maps(unittest.TestCase):
         _, body = self.get("tiles/mercator/0/0/0.png", 422, cloud="nowhere")
         self.assertIn("file", json.loads(body)["detail"])
         self.assertEqual(self.get("wms?SERVICE=WMS&REQUEST=GetCapabilities", cloud="nowhere")[1].count(b"<CRS>"), 1)
+        tiles = gdal.Open(f"WMTS:{self.server.url}/api/v1/clouds/nowhere/wmts/1.0.0/WMTSCapabilities.xml")
+        self.assertTrue(osr.SpatialReference(tiles.GetProjection()).IsLocal())
+        self.assertGreater(pixels(gdal.Translate("", tiles, format="MEM", width=64, height=64))[..., 3].sum(), 0)
 
     # ---- what is said
 

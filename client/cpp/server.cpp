@@ -157,6 +157,16 @@ Expected<Snapshot> Server::map(const std::string& cloud, const MapArea& area, co
                    etag);
 }
 
+Expected<Snapshot> Server::legend(const std::string& cloud, const WordValues& words, PictureFormat format,
+                                  const std::string& etag) const {
+    WordValues all{{"SERVICE", "WMS"},
+                   {"REQUEST", "GetLegendGraphic"},
+                   {"FORMAT", format == PictureFormat::Jpeg ? "image/jpeg" : "image/png"},
+                   {"EXCEPTIONS", std::string(problemMediaType)}};
+    all.insert(all.end(), words.begin(), words.end());
+    return picture(cloudPath(cloud) + "/wms?" + printQuery(all), {}, format, etag);
+}
+
 Expected<LonLatPoints> Server::lonLat(const std::string& cloud, const LonLatRequest& request) const {
     const auto answer = postJson(*this, cloudPath(cloud) + "/lonlat", toJson(request));
     if (!answer) return passOn(answer);

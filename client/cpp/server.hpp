@@ -89,6 +89,9 @@ class Server {
     /// A map from straight above (docs/maps.md). `words`: those of a view, but for the camera's and the picture's size.
     Expected<Snapshot> map(const std::string& cloud, const MapArea& area, const WordValues& words = {},
                            PictureFormat format = PictureFormat::Png, const std::string& etag = {}) const;
+    /// What the colours of such a map mean, as a small picture.
+    Expected<Snapshot> legend(const std::string& cloud, const WordValues& words = {},
+                              PictureFormat format = PictureFormat::Png, const std::string& etag = {}) const;
     /// File coordinates as longitudes and latitudes (WGS 84, degrees), or the other way round, in the same order; nullopt for places
     /// that have none. Unsupported where nobody knows where in the world the cloud is.
     Expected<LonLatPoints> lonLat(const std::string& cloud, const LonLatRequest& request) const;

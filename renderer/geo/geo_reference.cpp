@@ -100,12 +100,17 @@ void readProjection(PJ_CONTEXT* context, const PJ* crs, CrsParts& parts) {
 void readAxes(PJ_CONTEXT* context, const PJ* crs, FileCrs& file) {
     const Object axes(proj_crs_get_coordinate_system(context, crs));
     if (!axes) return;
-    const char* direction = nullptr;
+    const char *name = nullptr, *direction = nullptr, *second = nullptr;
     double factor = 1;
-    if (proj_cs_get_axis_info(context, axes.get(), 0, nullptr, nullptr, &direction, &factor, nullptr, nullptr,
-                              nullptr) == 0)
+    if (proj_cs_get_axis_info(context, axes.get(), 0, &name, nullptr, &direction, &factor, nullptr, nullptr,
+                              nullptr) == 0 ||
+        proj_cs_get_axis_info(context, axes.get(), 1, nullptr, nullptr, &second, nullptr, nullptr, nullptr,
+                              nullptr) == 0 ||
+        name == nullptr || direction == nullptr || second == nullptr)
         return;
-    file.northFirst = direction != nullptr && std::string_view(direction) == "north";
+    // Around a pole both lead away from it, and only names tell them apart.
+    file.northFirst = std::string_view(direction) == second ? *name == 'N' || *name == 'n'
+                                                            : std::string_view(direction) == "north";
     constexpr double equator = 6378137;  // m a radian
     file.metresPerUnit = file.degrees ? factor * equator : factor;
 }
@@ -171,6 +176,8 @@ Expected<GeoReference> GeoReference::create(const CloudFacts& cloud) {
     if (context == nullptr) return fail(ErrorCode::Internal, "PROJ gave no context");
     proj_log_level(context, PJ_LOG_NONE);
     proj_context_set_enable_network(context, 0);
+    if (proj_context_get_database_metadata(context, "EPSG.VERSION") == nullptr)
+        return fail(ErrorCode::Internal, "PROJ's database (proj.db) cannot be read");
     Object crs;
     if (meaning->epsg) {
         crs.reset(proj_create_from_database(context, "EPSG", std::to_string(*meaning->epsg).c_str(),

@@ -1,4 +1,4 @@
-// Letters for signs: strokes of even width from a small built-in table, sharp at any density of points.
+// Letters for signs: strokes of even width (protocol/text/letter_strokes.hpp), sharp at any density of points.
 #pragma once
 
 #include <string_view>
@@ -9,8 +9,7 @@ namespace scancast {
 double textWidth(std::string_view text);
 
 /// Whether a place is inked. x runs along the line from its left end, y up from its foot, both in units of
-/// the letter height. Capitals, digits and - . / : & ' are known; small letters are drawn as capitals, others
-/// as blanks.
+/// the letter height. Of what is known small letters are drawn as capitals.
 bool textInk(std::string_view text, double x, double y, double boldness = 1);
 
 }  // namespace scancast

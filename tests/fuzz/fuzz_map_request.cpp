@@ -43,6 +43,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         checkRefusal(wms, MapService::Wms);
         if (!wms) return 0;
         if (const auto* map = std::get_if<MapRequest>(&*wms)) check(*map);
+        if (const auto* legend = std::get_if<LegendRequest>(&*wms))
+            require(!(legend->transparent && legend->format == PictureFormat::Jpeg));
         if (const auto* feature = std::get_if<FeatureRequest>(&*wms)) {
             check(feature->map);
             require(feature->i < feature->map.width && feature->j < feature->map.height && feature->i >= 0 &&

@@ -12,16 +12,14 @@ Expected<PictureFormat> pictureFormatOf(const std::string& name) {
                 "the name " + name + " does not end in .jpg or .png, so its format is not known");
 }
 
-void addPictureFile(CLI::App& command, std::string& output, const std::string& what) {
-    command
-        .add_option("-o,--output", output,
-                    "The " + what + " to write: JPEG or PNG, by the ending of its name")
+CLI::Option* addPictureFile(CLI::App& command, const std::string& flag, std::string& output,
+                            const std::string& what) {
+    return command.add_option(flag, output, what)
         ->type_name("FILE.jpg|FILE.png")
         ->check([](const std::string& name) {
             const auto format = pictureFormatOf(name);
             return format ? std::string() : format.error().message;
-        })
-        ->required();
+        });
 }
 
 }  // namespace scancast::client

@@ -11,7 +11,8 @@ namespace scancast::client {
 /// By the end of its name, small letters or large. InvalidArgument for any other.
 Expected<PictureFormat> pictureFormatOf(const std::string& name);
 
-/// -o, --output, which has to be given. `what`: "picture". `output` must outlive the parse.
-void addPictureFile(CLI::App& command, std::string& output, const std::string& what);
+/// A flag with such a file. `output` must outlive the parse.
+CLI::Option* addPictureFile(CLI::App& command, const std::string& flag, std::string& output,
+                            const std::string& what);
 
 }  // namespace scancast::client

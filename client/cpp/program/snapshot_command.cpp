@@ -57,7 +57,9 @@ void addSnapshot(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<SnapshotFlags>();
     auto& command = *app.add_subcommand("snapshot", "Fetch one picture in full quality");
     flags->cloud.addTo(command);
-    addPictureFile(command, flags->output, "picture");
+    addPictureFile(command, "-o,--output", flags->output,
+                   "The picture to write: JPEG or PNG, by the ending of its name")
+        ->required();
     command.add_option("--if-none-match", flags->etag, "Write nothing if the picture still has this ETag")
         ->type_name("ETAG");
     flags->view.addTo(command);

@@ -209,8 +209,22 @@ class Cloud(PointsOfCloud, RastersOfCloud):
         pairs = [("SERVICE", "WMS"), ("VERSION", "1.1.1"), ("REQUEST", "GetMap"), ("SRS", crs), ("BBOX", ",".join(edges)),
                  ("WIDTH", str(width)), ("HEIGHT", str(height)), ("FORMAT", MEDIA_TYPES[format]), ("TRANSPARENT", "TRUE" if transparent else "FALSE"),
                  ("EXCEPTIONS", "application/problem+json")]
+        return self._wms(pairs, given, _most_bytes({"width": width, "height": height}))
+
+    def legend(self, *, format: str = "png", transparent: bool = False, **given: "Unpack[ViewWords]") -> Picture:
+        """What the colours of such a map mean, as a small picture.
+
+        >>> cloud.legend(color="elevation").save("legend.png")   # doctest: +SKIP
+        """
+        if format not in MEDIA_TYPES:
+            raise ValueError(f"format is png or jpg, not {format!r}")
+        pairs = [("SERVICE", "WMS"), ("REQUEST", "GetLegendGraphic"), ("FORMAT", MEDIA_TYPES[format]), ("TRANSPARENT", "TRUE" if transparent else "FALSE"),
+                 ("EXCEPTIONS", "application/problem+json")]
+        return self._wms(pairs, given, _most_bytes({"width": 1024, "height": 1024}))
+
+    def _wms(self, pairs: List[Tuple[str, str]], given: Any, limit: int) -> Picture:
         asked = self._path("wms") + "?" + words.query(pairs + words.words_text(words.view_of(given)))
-        answer = self._transport.ask("GET", asked, limit=_most_bytes({"width": width, "height": height}))
+        answer = self._transport.ask("GET", asked, limit=limit)
         said = answer.headers
         if not said.text("Content-Type").startswith("image/"):
             raise errors.BadAnswer(f"{self._transport.address.authority} answered with {said.text('Content-Type') or 'nothing'} in place of a picture")

@@ -31,27 +31,43 @@ std::optional<MapBounds> boundsIn(WorldCrs world, const MapBounds& bounds, const
     return found;
 }
 
-/// Colourings that this cloud has.
-std::vector<std::string> stylesOf(const Cloud& cloud) {
-    std::vector<std::string> styles;
+/// Colourings that this cloud has; those that this view has no part in are left out.
+std::vector<MapStyle> stylesOf(const Cloud& cloud, const View& asked) {
+    std::vector<MapStyle> styles;
     for (const std::string_view name : colorSourceNames) {
-        if (name == colorSourceNames.front()) continue;
-        View view = defaultView(cloud, tileSide, tileSide);
-        if (applyWord(view, "color", name) && checkView(cloud, view)) styles.emplace_back(name);
+        const bool isDefault = name == colorSourceNames.front();
+        View view = asked;
+        if (!isDefault && !applyWord(view, "color", name)) continue;
+        const auto planned = plan(cloud, view);
+        if (!planned) continue;
+        const MapLegend legend = mapLegend(cloud, **planned);
+        styles.push_back({isDefault ? "default" : std::string(name),
+                          isDefault ? "as the cloud is best seen: " + (*planned)->colorName : legend.title,
+                          legendSize(legend)});
     }
     return styles;
 }
 
 }  // namespace
 
-MapFacts mapFacts(const Cloud& cloud, const GeoReference* geo) {
+std::string legendAddress(const MapFacts& facts, const MapStyle& style) {
+    const std::string words = printQuery(facts.words);
+    std::string address = facts.address + "/wms?";
+    if (!words.empty()) address += words + "&";
+    return address +
+           "SERVICE=WMS&VERSION=1.3.0&REQUEST=GetLegendGraphic&SLD_VERSION=1.1.0&FORMAT=image/png&LAYER=" +
+           facts.layer + "&STYLE=" + style.name;
+}
+
+MapFacts mapFacts(const Cloud& cloud, const View& view, const GeoReference* geo) {
     MapFacts facts;
     facts.title = cloud.title;
     facts.attribution = cloud.attribution;
-    facts.styles = stylesOf(cloud);
+    facts.styles = stylesOf(cloud, view);
     facts.bounds = {glm::dvec2(cloud.bounds[0]), glm::dvec2(cloud.bounds[1])};
     if (geo == nullptr) return facts;
     facts.crs = geo->file();
+    if (!facts.crs->epsg) facts.wkt = cloud.crsWkt;
     facts.lonLat = boundsIn(WorldCrs::LonLat, facts.bounds, *geo);
     facts.mercator = boundsIn(WorldCrs::WebMercator, facts.bounds, *geo);
     return facts;

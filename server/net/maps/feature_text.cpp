@@ -1,5 +1,6 @@
 #include "server/net/maps/feature_text.hpp"
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
@@ -18,6 +19,11 @@ json flatValues(const json& picked) {
     values["y"] = place[1];
     values["z"] = place[2];
     values["exact"] = picked["exact"];
+    // Of several clouds: whose point it is, and how far that was moved to where it is seen.
+    if (picked.contains("cloud")) values["cloud"] = picked["cloud"];
+    if (picked.contains("shift"))
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            values[std::array{"shiftX", "shiftY", "shiftZ"}[axis]] = picked["shift"][axis];
     for (const char* name : {"intensity", "classification", "className", "radius"})
         if (picked.contains(name)) values[name] = picked[name];
     if (picked.contains("rgb")) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "protocol/view/view_words.hpp"
+#include "renderer/cloud/import/crs_meaning.hpp"
 #include "renderer/plan.hpp"
 #include "server/base/faults.hpp"
 #include "server/net/api/negotiate.hpp"
@@ -24,6 +25,11 @@ constexpr std::size_t mostWaitingMaps = 256;
 constexpr std::size_t mostOfClient = 96;
 /// ms of a reference core: to find out what a map needs, and to make it of its picture, or of nothing, for each pixel.
 constexpr double forMap = 1, forMapPixel = 20e-6;
+
+/// What a projected map depends on, and a cloud's revision does not.
+std::string placeOnEarth(const CloudFacts& cloud) {
+    return fmt::format("\n{}\n{}", cloud.crsWkt, cloud.crsEpsg.value_or(0));
+}
 /// Of a net and what it is held against, of the most that there may be.
 constexpr std::uint64_t bytesOfNet = std::uint64_t(8) << 20;
 
@@ -47,6 +53,9 @@ const WordValues& wordsOfMap(const MapRequest& map) {
 }
 const WordValues& wordsOfMap(const FeatureRequest& request) {
     return request.map.words;
+}
+const WordValues& wordsOfMap(const LegendRequest& request) {
+    return request.words;
 }
 const WordValues& wordsOfMap(const CapabilitiesRequest& request) {
     return request.words;
@@ -111,7 +120,7 @@ MapAnswers::MapAnswers(MapOptions options, const Admission& admission, const Sha
       metrics_(metrics),
       memory_(std::move(memory)),
       projections_(projectionsVersion()),
-      places_({.all = mostWaitingMaps, .client = mostOfClient}),
+      places_({.all = mostWaitingMaps, .client = mostOfClient, .what = "maps"}),
       references_(std::make_unique<References>()),
       worker_(mostWaitingMaps) {}
 
@@ -140,7 +149,7 @@ void MapAnswers::answer(const HttpRequest& request, const Routed& routed, const 
         case Route::WmtsCapabilities: {
             const auto words = parseMapWords(routed.query);
             if (!words) return asked->refuse(words.error());
-            if (look(asked, *words)) capabilities(asked, {*words}, true);
+            if (const auto view = look(asked, *words)) capabilities(asked, {*words}, *view, true);
             return;
         }
         case Route::MapTile: {
@@ -174,7 +183,8 @@ void MapAnswers::wms(const Shared& asked, std::string_view query) const {
     if (!view) return;
     if (const auto* wanted = std::get_if<MapRequest>(&*parsed)) return map(asked, *wanted, *view);
     if (const auto* wanted = std::get_if<FeatureRequest>(&*parsed)) return feature(asked, *wanted, *view);
-    capabilities(asked, std::get<CapabilitiesRequest>(*parsed), false);
+    if (const auto* wanted = std::get_if<LegendRequest>(&*parsed)) return legend(asked, *wanted, *view);
+    capabilities(asked, std::get<CapabilitiesRequest>(*parsed), *view, false);
 }
 
 void MapAnswers::wmts(const Shared& asked, std::string_view query) const {
@@ -182,7 +192,7 @@ void MapAnswers::wmts(const Shared& asked, std::string_view query) const {
     if (!parsed) return asked->refuse(parsed.error());
     if (const auto* wanted = std::get_if<TileRequest>(&*parsed)) return tile(asked, *wanted);
     const auto& wanted = std::get<CapabilitiesRequest>(*parsed);
-    if (look(asked, wanted.words)) capabilities(asked, wanted, true);
+    if (const auto view = look(asked, wanted.words)) capabilities(asked, wanted, *view, true);
 }
 
 void MapAnswers::tile(const Shared& asked, const TileRequest& tile) const {
@@ -226,10 +236,16 @@ void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& loo
     const DeviceStatus device = scheduler_.device();
     if (device.state != DeviceStatus::State::Ready)
         return asked->refuse(problemOf(503, "The rendering device is not available."));
+    const bool isProjected = needsReference(map);
+    if (isProjected && !crsMeaning(cloud.crsWkt, cloud.crsEpsg))
+        return asked->refuse({ErrorCode::Unsupported,
+                              "Where this cloud lies in the world is not known: the scan says nothing of its "
+                              "coordinate reference system.",
+                              "CRS"});
     Ordered ordered{map, std::move(*view), (*planned)->margin, device.info, {}};
-    ordered.tag =
-        contentTag(pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
-                   printedMap(ordered.map) + (needsReference(ordered.map) ? projections_ : std::string()));
+    ordered.tag = contentTag(
+        pictureTag(cloud, ordered.view, ordered.map.format, device.info, options_.version) +
+        printedMap(ordered.map) + (isProjected ? projections_ + placeOnEarth(cloud) : std::string()));
     HttpResponse head = ordered.head(*asked);
     if (matchesAny(asked->request.header("if-none-match"), ordered.tag)) {
         head.status = 304;

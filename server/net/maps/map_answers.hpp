@@ -26,6 +26,7 @@ namespace scancast {
 
 struct CapabilitiesRequest;
 struct FeatureRequest;
+struct LegendRequest;
 struct MapRequest;
 struct TileRequest;
 
@@ -62,7 +63,9 @@ class MapAnswers {
     void map(const Shared& asked, const MapRequest& map, const View& looked) const;
     void tile(const Shared& asked, const TileRequest& tile) const;
     void feature(const Shared& asked, const FeatureRequest& request, const View& looked) const;
-    void capabilities(const Shared& asked, const CapabilitiesRequest& request, bool isWmts) const;
+    void capabilities(const Shared& asked, const CapabilitiesRequest& request, const View& looked,
+                      bool isWmts) const;
+    void legend(const Shared& asked, const LegendRequest& request, const View& looked) const;
     void lonLat(const Shared& asked, const std::string& body) const;
 
     void post(const Shared& asked, std::function<void()> work) const;

@@ -17,7 +17,7 @@ namespace scancast {
 struct MapAnswers::Asked {
     explicit Asked(const VisibleClouds& visible) : clouds(visible) {}
 
-    std::shared_ptr<const Cloud> own;    ///< of the address: tiles stay where they are, whatever else is shown
+    std::shared_ptr<const Cloud> own;  ///< of the address: tiles stay where they are, whatever else is shown
     std::shared_ptr<const Cloud> cloud;  ///< what the words of a view show
     VisibleClouds clouds;
     bool live = false;
@@ -48,7 +48,10 @@ class MapAnswers::References {
         for (auto at = known_.begin(); at != known_.end(); ++at) {
             if (at->wkt != cloud.crsWkt || at->epsg != cloud.crsEpsg) continue;
             if (at != known_.begin()) std::rotate(known_.begin(), at, at + 1);
-            return known_.front().reference;
+            Expected<GeoReference>& known = known_.front().reference;
+            // What is wrong with this machine passes.
+            if (!known && known.error().code == ErrorCode::Internal) known = GeoReference::create(cloud);
+            return known;
         }
         known_.push_front({cloud.crsWkt, cloud.crsEpsg, GeoReference::create(cloud)});
         if (known_.size() > most) known_.pop_back();

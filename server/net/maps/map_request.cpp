@@ -11,6 +11,8 @@
 namespace scancast {
 namespace {
 
+constexpr std::uint32_t mostFeatures = 1'000'000;
+
 /// A style is a colouring; the word `color` gives way to it.
 Expected<void> applyStyle(const MapWords& words, std::string_view name, WordValues& view) {
     const std::string style = words.text(name);
@@ -35,6 +37,22 @@ Expected<void> checkService(const MapWords& words, std::string_view service) {
     return wrongWord("SERVICE", "must be " + std::string(service) + " at this address");
 }
 
+/// What pictures have in common.
+template <class Picture>
+Expected<void> applyPicture(const MapWords& words, Picture& picture) {
+    const auto format = mapFormatOf(words);
+    if (!format) return passOn(format);
+    picture.format = *format;
+    const std::string transparent = inCapitals(words.text("TRANSPARENT"));
+    if (!transparent.empty() && transparent != "TRUE" && transparent != "FALSE")
+        return wrongWord("TRANSPARENT", "must be TRUE or FALSE");
+    picture.transparent = transparent == "TRUE" && *format == PictureFormat::Png;
+    const auto background = mapColorOf(words);
+    if (!background) return passOn(background);
+    picture.background = *background;
+    return {};
+}
+
 /// What GetMap says, and GetFeatureInfo repeats.
 Expected<MapRequest> mapOf(const MapWords& words, std::string_view layer, bool isOld) {
     MapRequest map;
@@ -56,16 +74,7 @@ Expected<MapRequest> mapOf(const MapWords& words, std::string_view layer, bool i
     if (!height) return passOn(height);
     map.width = *width;
     map.height = *height;
-    const auto format = mapFormatOf(words);
-    if (!format) return passOn(format);
-    map.format = *format;
-    const std::string transparent = inCapitals(words.text("TRANSPARENT"));
-    if (!transparent.empty() && transparent != "TRUE" && transparent != "FALSE")
-        return wrongWord("TRANSPARENT", "must be TRUE or FALSE");
-    map.transparent = transparent == "TRUE" && *format == PictureFormat::Png;
-    const auto background = mapColorOf(words);
-    if (!background) return passOn(background);
-    map.background = *background;
+    if (auto ok = applyPicture(words, map); !ok) return passOn(ok);
     map.words = words.view;
     if (auto ok = applyStyle(words, "STYLES", map.words); !ok) return passOn(ok);
     return map;
@@ -87,6 +96,10 @@ Expected<FeatureRequest> featureOf(const MapWords& words, std::string_view layer
     if (!j) return passOn(j);
     request.i = *i;
     request.j = *j;
+    // There is one point that is seen in a pixel, so one feature, however many somebody would take.
+    const std::string* const count = words.find("FEATURE_COUNT");
+    if (count != nullptr && !count->empty() && mapWholeOf(*count, mostFeatures).value_or(0) == 0)
+        return wrongWord("FEATURE_COUNT", "must be a number of points, 1 or more: one is answered");
     const std::string format = lowerCase(words.text("INFO_FORMAT"));
     if (format.empty()) return request;
     const auto known = std::ranges::find(infoFormatNames, format);
@@ -94,6 +107,20 @@ Expected<FeatureRequest> featureOf(const MapWords& words, std::string_view layer
         return wrongWord("INFO_FORMAT",
                          "must be application/json, application/geo+json, text/plain or text/html");
     request.format = InfoFormat(known - infoFormatNames.begin());
+    return request;
+}
+
+Expected<LegendRequest> legendOf(const MapWords& words, std::string_view layer) {
+    for (const char* name : {"LAYER", "LAYERS"})
+        if (auto ok = checkLayer(words, name, layer); !ok) return passOn(ok);
+    if (!words.text("RULE").empty())
+        return wrongWord("RULE", "names no part of a legend here: ask for all of it");
+    LegendRequest request;
+    if (auto ok = applyPicture(words, request); !ok) return passOn(ok);
+    request.words = words.view;
+    // STYLE is the standard's; programs that repeat a map's words say STYLES.
+    for (const char* name : {"STYLES", "STYLE"})
+        if (auto ok = applyStyle(words, name, request.words); !ok) return passOn(ok);
     return request;
 }
 
@@ -130,9 +157,15 @@ Expected<WmsRequest> parseWmsRequest(std::string_view query, std::string_view la
     if (!words) return passOn(words);
     if (auto ok = checkService(*words, "WMS"); !ok) return passOn(ok);
     const std::string request = lowerCase(words->text("REQUEST"));
-    if (request.empty() || request == "getcapabilities" || request == "capabilities")
-        return CapabilitiesRequest{words->view};
     std::string version = words->text("VERSION");
+    // Versions are agreed on: who knows no more than 1.1 gets 1.1.1, everybody else 1.3.0.
+    if (request.empty() || request == "getcapabilities" || request == "capabilities")
+        return CapabilitiesRequest{words->view, version.starts_with("1.1.") || version.starts_with("1.0.")};
+    if (request == "getlegendgraphic") {
+        auto legend = legendOf(*words, layer);
+        if (!legend) return passOn(std::move(legend));
+        return std::move(*legend);
+    }
     if (version.empty()) version = words->find("SRS") != nullptr ? "1.1.1" : "1.3.0";
     if (version != "1.3.0" && version != "1.1.1" && version != "1.1.0")
         return wrongWord("VERSION", "must be 1.3.0 or 1.1.1");
@@ -147,7 +180,7 @@ Expected<WmsRequest> parseWmsRequest(std::string_view query, std::string_view la
         if (!feature) return passOn(std::move(feature));
         return std::move(*feature);
     }
-    return wrongWord("REQUEST", "must be GetCapabilities, GetMap or GetFeatureInfo");
+    return wrongWord("REQUEST", "must be GetCapabilities, GetMap, GetFeatureInfo or GetLegendGraphic");
 }
 
 Expected<WmtsRequest> parseWmtsRequest(std::string_view query, std::string_view layer) {

@@ -46,6 +46,15 @@ struct FeatureRequest {
 
 struct CapabilitiesRequest {
     WordValues words{};  ///< that addresses in it have, too
+    bool isOld = false;  ///< of WMS: 1.1.1
+};
+
+/// What colours mean, as a picture: GetLegendGraphic (OGC 05-078r4).
+struct LegendRequest {
+    PictureFormat format = PictureFormat::Png;
+    bool transparent = false;        ///< of PNG
+    Rgb8 background{255, 255, 255};  ///< where it is not
+    WordValues words{};              ///< of a view
 };
 
 /// Pixels of tiles, each side.
@@ -61,7 +70,7 @@ struct TileRequest {
     WordValues words{};
 };
 
-using WmsRequest = std::variant<CapabilitiesRequest, MapRequest, FeatureRequest>;
+using WmsRequest = std::variant<CapabilitiesRequest, MapRequest, FeatureRequest, LegendRequest>;
 /// `layer`: the only one that there is.
 Expected<WmsRequest> parseWmsRequest(std::string_view query, std::string_view layer);
 

@@ -1,23 +1,37 @@
-// What is at places of maps, and where: picks, capabilities, longitudes and latitudes.
+// What is at places of maps, where, and what its colours mean: picks, capabilities, legends, longitudes and latitudes.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "protocol/points/lonlat_request.hpp"
+#include "renderer/map/map_legend.hpp"
 #include "renderer/plan.hpp"
 #include "server/catalog/describe_point.hpp"
 #include "server/net/api/negotiate.hpp"
+#include "server/net/api/picture_request.hpp"
 #include "server/net/maps/capabilities.hpp"
 #include "server/net/maps/feature_text.hpp"
 #include "server/net/maps/map_asked.hpp"
 #include "server/net/maps/map_place.hpp"
+#include "server/scheduler/picture_bytes.hpp"
 
 namespace scancast {
 namespace {
 
 /// px: of the picture in whose middle a place is looked at.
 constexpr int lookedAtSide = 33;
+/// ms of a reference core: to draw a legend and encode it.
+constexpr double forLegend = 3;
+
+/// For who asks for no map, but for what stands beside one.
+MapRequest smallMap(const WordValues& words) {
+    MapRequest map;
+    map.crs = fileCrs;
+    map.width = map.height = tileSide;
+    map.words = words;
+    return map;
+}
 
 }  // namespace
 
@@ -61,25 +75,69 @@ void MapAnswers::pick(const Shared& asked, const FeatureRequest& request, View v
         asked->refuse(queued.error());
 }
 
-void MapAnswers::capabilities(const Shared& asked, const CapabilitiesRequest& request, bool isWmts) const {
-    post(asked, [this, asked, request, isWmts] {
+void MapAnswers::capabilities(const Shared& asked, const CapabilitiesRequest& request, const View& looked,
+                              bool isWmts) const {
+    const auto view = asMap(*asked->cloud, looked, smallMap(request.words));
+    if (!view) return asked->refuse(view.error());
+    post(asked, [this, asked, request, isWmts, view = *view] {
         const Cloud& cloud = *asked->cloud;
         const auto& geo = references_->of(cloud);
-        MapFacts facts = mapFacts(cloud, geo ? &*geo : nullptr);
+        MapFacts facts = mapFacts(cloud, view, geo ? &*geo : nullptr);
         facts.layer = asked->id;
         facts.address = asked->request.base + "/api/v1/clouds/" + asked->id;
         facts.words = request.words;
         facts.widest = int(std::min(std::sqrt(double(options_.maxPixels)), double(maxPictureSide)));
         HttpResponse response;
-        response.text = isWmts ? wmtsCapabilities(facts, *asked->own) : wmsCapabilities(facts);
+        response.text = isWmts ? wmtsCapabilities(facts, *asked->own) : wmsCapabilities(facts, request.isOld);
         const std::string tag = contentTag(response.text);
-        response.set("Content-Type", isWmts ? "application/xml; charset=utf-8" : "text/xml; charset=utf-8")
+        const char* type = isWmts          ? "application/xml; charset=utf-8"
+                           : request.isOld ? "application/vnd.ogc.wms_xml; charset=utf-8"
+                                           : "text/xml; charset=utf-8";
+        response.set("Content-Type", type)
             .set("ETag", tag)
             .set("Cache-Control", asked->live ? "no-store" : "no-cache");
         if (matchesAny(asked->request.header("if-none-match"), tag)) {
             response.status = 304;
             response.text.clear();
         }
+        asked->respond(std::move(response));
+    });
+}
+
+void MapAnswers::legend(const Shared& asked, const LegendRequest& request, const View& looked) const {
+    MapRequest map = smallMap(request.words);
+    map.format = request.format;
+    map.transparent = request.transparent;
+    map.background = request.background;
+    const auto view = asMap(*asked->cloud, looked, map);
+    if (!view) return asked->refuse(view.error());
+    auto work = admission_.take(asked->request.client, forLegend);
+    if (!work) return asked->refuse(work.error());
+    asked->work = std::move(*work);
+    post(asked, [this, asked, request, view = *view] {
+        const auto planned = plan(*asked->cloud, view);
+        if (!planned) return asked->refuse(planned.error());
+        const MapLegend legend = mapLegend(*asked->cloud, **planned);
+        const LegendSize size = legendSize(legend);
+        const auto pixels = std::uint64_t(size.width) * std::uint64_t(size.height);
+        auto kept = admission_.keep(asked->request.client, pixels);
+        if (!kept) return asked->refuse(kept.error());
+        const TransientMemory::Hold hold = memory_.hold(MemoryUse::Frames, pixels * 8);
+        const Background& background = view.style.background;
+        const bool isTransparent = background.kind == Background::Kind::Transparent;
+        auto bytes =
+            encodePicture(drawLegend(legend, isTransparent ? std::nullopt : std::optional(background.top)),
+                          view, request.format, asked->gone);
+        if (!bytes) return asked->refuse(bytes.error());
+        const std::string tag = contentTag({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+        HttpResponse response;
+        response.set("Content-Type", std::string(mediaType(request.format)))
+            .set("ETag", tag)
+            .set("Cache-Control", asked->live ? "no-store" : "no-cache");
+        if (matchesAny(asked->request.header("if-none-match"), tag))
+            response.status = 304;
+        else
+            response.bytes = memory_.shared(MemoryUse::Answers, std::move(*bytes), std::move(*kept));
         asked->respond(std::move(response));
     });
 }

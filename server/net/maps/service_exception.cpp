@@ -10,8 +10,8 @@ std::string_view wmsCode(std::string_view field) {
     if (field == "CRS") return "InvalidCRS";
     if (field == "SRS") return "InvalidSRS";
     if (field == "FORMAT" || field == "INFO_FORMAT") return "InvalidFormat";
-    if (field == "LAYERS" || field == "QUERY_LAYERS") return "LayerNotDefined";
-    if (field == "STYLES") return "StyleNotDefined";
+    if (field == "LAYERS" || field == "LAYER" || field == "QUERY_LAYERS") return "LayerNotDefined";
+    if (field == "STYLES" || field == "STYLE") return "StyleNotDefined";
     if (field == "I" || field == "J" || field == "X" || field == "Y") return "InvalidPoint";
     if (field == "REQUEST") return "OperationNotSupported";
     return {};

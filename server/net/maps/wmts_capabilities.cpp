@@ -49,9 +49,12 @@ std::string wmtsMatrices(std::string_view set, const TileSet& tiles, const std::
     return text + "</TileMatrixSet>\n";
 }
 
-std::string wmtsStyle(std::string_view name, bool isDefault) {
-    return std::string(isDefault ? "<Style isDefault=\"true\">" : "<Style>") +
-           xmlElement("ows:Identifier", name) + "</Style>\n";
+std::string wmtsStyle(const MapFacts& facts, const MapStyle& style) {
+    std::string text = &style == &facts.styles.front() ? "<Style isDefault=\"true\">" : "<Style>";
+    text += xmlElement("ows:Title", style.title) + xmlElement("ows:Identifier", style.name);
+    text += fmt::format("<LegendURL format=\"image/png\" xlink:href=\"{}\" width=\"{}\" height=\"{}\"/>\n",
+                        xmlText(legendAddress(facts, style)), style.legend.width, style.legend.height);
+    return text + "</Style>\n";
 }
 
 std::string wmtsResource(const MapFacts& facts, std::string_view format, std::string_view end) {
@@ -75,14 +78,20 @@ std::string wmtsOperation(std::string_view name, const MapFacts& facts) {
         name, xmlText(address));
 }
 
+/// Of the set in the cloud's own coordinates. Where it has no number it is told as WKT, which the standard does not know, but GDAL
+/// does: it opens nothing whose system it cannot read.
+std::string wmtsCrs(const MapFacts& facts) {
+    if (facts.crs && facts.crs->epsg) return fmt::format("urn:ogc:def:crs:EPSG::{}", *facts.crs->epsg);
+    if (!facts.wkt.empty()) return facts.wkt;
+    return R"(LOCAL_CS["coordinates of the file",UNIT["unknown",1]])";
+}
+
 }  // namespace
 
 std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud) {
     const TileSet own = fileTiles(cloud), mercator = mercatorTiles();
-    // Programs must know a system by its name; where it has none, they have no use for the set.
-    const std::string ownCrs = facts.crs && facts.crs->epsg
-                                   ? fmt::format("urn:ogc:def:crs:EPSG::{}", *facts.crs->epsg)
-                                   : std::string("file");
+    const std::string ownCrs = wmtsCrs(facts);
+    const bool swapped = facts.crs && facts.crs->epsg && facts.crs->northFirst;
     std::string text =
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Capabilities xmlns=\"http://www.opengis.net/wmts/1.0\" "
         "xmlns:ows=\"http://www.opengis.net/ows/1.1\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" "
@@ -100,8 +109,12 @@ std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud) {
                 wmtsCorner("ows:UpperCorner", (*facts.lonLat)[1], false) + "</ows:WGS84BoundingBox>\n";
     }
     text += xmlElement("ows:Identifier", facts.layer);
-    text += wmtsStyle("default", true);
-    for (const std::string& name : facts.styles) text += wmtsStyle(name, false);
+    if (facts.crs && facts.crs->epsg) {
+        text += "<ows:BoundingBox crs=\"" + ownCrs + "\">\n" +
+                wmtsCorner("ows:LowerCorner", facts.bounds[0], swapped) +
+                wmtsCorner("ows:UpperCorner", facts.bounds[1], swapped) + "</ows:BoundingBox>\n";
+    }
+    for (const MapStyle& style : facts.styles) text += wmtsStyle(facts, style);
     text += "<Format>image/png</Format>\n<Format>image/jpeg</Format>\n";
     if (facts.mercator) text += wmtsLimits(mercatorSet, mercator, *facts.mercator);
     text += wmtsLimits(fileCrs, own, facts.bounds);
@@ -109,7 +122,7 @@ std::string wmtsCapabilities(const MapFacts& facts, const CloudFacts& cloud) {
     text += "</Layer>\n";
     if (facts.mercator) text += wmtsMatrices(mercatorSet, mercator, "urn:ogc:def:crs:EPSG::3857", false, 1);
     const double metres = facts.crs ? facts.crs->metresPerUnit : 1;
-    text += wmtsMatrices(fileCrs, own, ownCrs, facts.crs && facts.crs->northFirst, metres);
+    text += wmtsMatrices(fileCrs, own, ownCrs, swapped, metres);
     text += "</Contents>\n" + fmt::format("<ServiceMetadataURL xlink:href=\"{}\"/>\n",
                                           xmlText(facts.address + "/wmts/1.0.0/WMTSCapabilities.xml"));
     return text + "</Capabilities>\n";

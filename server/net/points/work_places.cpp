@@ -17,16 +17,16 @@ tl::expected<WorkPlaces::Place, Problem> WorkPlaces::take(const std::string& cli
         const std::lock_guard lock(state_->mutex);
         if (state_->all >= state_->limits.all)
             return tl::unexpected(problemOf(
-                503, fmt::format(
-                         "{} exports are under way, as many as this server makes at a time; ask again later.",
-                         state_->all)));
+                503,
+                fmt::format("{} {} are under way, as many as this server makes at a time; ask again later.",
+                            state_->all, state_->limits.what)));
         std::size_t& own = state_->clients[client];
         if (own >= state_->limits.client)
             return tl::unexpected(problemOf(
-                429, fmt::format(
-                         "You have {} exports under way, as many as one client may; read them to their end, "
-                         "or ask again later.",
-                         own)));
+                429,
+                fmt::format("You have {} {} under way, as many as one client may; read them to their end, "
+                            "or ask again later.",
+                            own, state_->limits.what)));
         ++own;
         ++state_->all;
     }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 #include "protocol/problem.hpp"
 
@@ -15,6 +16,7 @@ class WorkPlaces {
   public:
     struct Limits {
         std::size_t all = 8, client = 3;
+        std::string_view what = "exports";  ///< for messages
     };
     using Place = std::shared_ptr<const void>;
 

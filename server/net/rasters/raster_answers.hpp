@@ -23,7 +23,7 @@
 namespace scancast {
 
 struct RasterOptions {
-    WorkPlaces::Limits places{4, 2};
+    WorkPlaces::Limits places{4, 2, "rasters"};
     bool guestsMayExport = false;  ///< elevations, too; orthophotos they may always see
     std::uint64_t mostCells = 1'000'000'000;
     std::uint64_t mostPixels = 16'000'000;               ///< of a picture

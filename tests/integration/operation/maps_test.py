@@ -301,6 +301,8 @@ class Maps(unittest.TestCase):
         self.assertLess(math.dist(feature["geometry"]["coordinates"], projected([(x, y)], "EPSG:25833", "EPSG:3857")[0]), 1)
         self.assertIn(b"red = 220\n", self.get("wms?" + urllib.parse.urlencode({**query, "INFO_FORMAT": "text/plain"}))[1])
         self.assertIn(b"<th>red</th><td>220</td>", self.get("wms?" + urllib.parse.urlencode({**query, "INFO_FORMAT": "text/html"}))[1])
+        self.assertEqual(len(json.loads(self.get("wms?" + urllib.parse.urlencode({**query, "FEATURE_COUNT": 10}))[1])["features"]), 1)
+        self.get("wms?" + urllib.parse.urlencode({**query, "FEATURE_COUNT": 0}), 400)
         away = self.get("wms?" + urllib.parse.urlencode({**query, "BBOX": "0,0,10,10"}))[1]
         self.assertEqual(json.loads(away)["features"], [])
 
@@ -324,6 +326,9 @@ class Maps(unittest.TestCase):
         _, body = self.get("tiles/mercator/0/0/0.png", 422, cloud="nowhere")
         self.assertIn("file", json.loads(body)["detail"])
         self.assertEqual(self.get("wms?SERVICE=WMS&REQUEST=GetCapabilities", cloud="nowhere")[1].count(b"<CRS>"), 1)
+        tiles = gdal.Open(f"WMTS:{self.server.url}/api/v1/clouds/nowhere/wmts/1.0.0/WMTSCapabilities.xml")
+        self.assertTrue(osr.SpatialReference(tiles.GetProjection()).IsLocal())
+        self.assertGreater(pixels(gdal.Translate("", tiles, format="MEM", width=64, height=64))[..., 3].sum(), 0)
 
     # ---- what is said
 
@@ -341,6 +346,71 @@ class Maps(unittest.TestCase):
         west, south = projected([(MIDDLE[0] - SIDE / 2, MIDDLE[1] - SIDE / 2)], "EPSG:25833", "OGC:CRS84")[0]
         self.assertLessEqual(float(box.find("w:westBoundLongitude", names).text), west)
         self.assertAlmostEqual(float(box.find("w:southBoundLatitude", names).text), south, 4)
+
+    def test_what_knows_only_1_1_1_gets_that(self):
+        _, body = self.get("wms?SERVICE=WMS&REQUEST=GetCapabilities&VERSION=1.1.1")
+        root = xml.fromstring(body)
+        self.assertEqual((root.tag, root.get("version")), ("WMT_MS_Capabilities", "1.1.1"))
+        layer = root.find("Capability/Layer/Layer")
+        self.assertEqual([c.text for c in layer.findall("SRS")], ["EPSG:25833", "EPSG:3857", "EPSG:4326"])
+        west, south = projected([(MIDDLE[0] - SIDE / 2, MIDDLE[1] - SIDE / 2)], "EPSG:25833", "OGC:CRS84")[0]
+        for box in (layer.find("LatLonBoundingBox"), layer.find("BoundingBox[@SRS='EPSG:4326']")):
+            self.assertAlmostEqual(float(box.get("minx")), west, 4)
+            self.assertAlmostEqual(float(box.get("miny")), south, 4)
+        listed = gdal.Open(f"WMS:{self.cloud}/wms?SERVICE=WMS&VERSION=1.1.1&REQUEST=GetCapabilities").GetMetadata("SUBDATASETS")
+        self.assertGreater(gdal.Open(next(v for k, v in listed.items() if k.endswith("_NAME"))).RasterXSize, 100)
+
+    def test_legends(self):
+        ramps = json.loads(self.server.get("/api/v1/methods")[2])["ramps"]
+        where = "{http://www.w3.org/1999/xlink}href"
+        found = {}
+        for version in ("1.3.0", "1.1.1"):
+            text = self.get(f"wms?SERVICE=WMS&REQUEST=GetCapabilities&VERSION={version}&colormap=turbo", cloud="place0")[1].decode()
+            root = xml.fromstring(text.replace(' xmlns="http://www.opengis.net/wms"', ""))
+            for style in root.iter("Style"):
+                legend = style.find("LegendURL")
+                target = legend.find("OnlineResource").get(where)
+                self.assertTrue(target.startswith(self.server.url))
+                status, headers, data = self.server.get(target[len(self.server.url):])
+                self.assertEqual((status, headers["Content-Type"]), (200, legend.find("Format").text), data)
+                picture = decoded(data)
+                self.assertEqual(picture.shape[:2], (int(legend.get("height")), int(legend.get("width"))), target)
+                found.setdefault(style.find("Name").text, []).append(data)
+        self.assertIn("elevation", found)
+        for name, datas in found.items():
+            self.assertEqual(*datas, name)
+        # The ramp is the one that is told elsewhere, from its low end to its high one.
+        picture = decoded(found["elevation"][0])[..., :3]
+        wanted = [[int(c[i:i + 2], 16) for i in (1, 3, 5)] for c in ramps["turbo"]]
+        rows = [row for row in picture.tolist() if all(color in row for color in (wanted[0], wanted[-1]))]
+        self.assertTrue(rows)
+        places = [min(range(len(rows[0])), key=lambda x: math.dist(rows[0][x], color)) for color in wanted]
+        self.assertEqual(places, sorted(places))
+        for place, color in zip(places, wanted):
+            self.assertLess(math.dist(rows[0][place], color), 12)
+        # Elsewhere in its picture other ends are written.
+        ask = "wms?REQUEST=GetLegendGraphic&LAYER=place0&STYLE=elevation&FORMAT=image/png"
+        narrow, wide = (self.get(f"{ask}&range={ends}", cloud="place0")[1] for ends in ("1,2", "1,7"))
+        self.assertEqual(decoded(narrow).shape, decoded(wide).shape)
+        self.assertNotEqual(narrow, wide)
+        headers, data = self.get(ask + "&TRANSPARENT=TRUE", cloud="place0")
+        self.assertEqual(decoded(data)[0, 0, 3], 0)
+        self.get(ask + "&TRANSPARENT=TRUE", 304, cloud="place0", **{"If-None-Match": headers["ETag"]})
+        _, body = self.get("wms?REQUEST=GetLegendGraphic&LAYER=plain&STYLE=gaudy", 400)
+        self.assertEqual(xml.fromstring(body).find("{http://www.opengis.net/ogc}ServiceException").get("code"), "StyleNotDefined")
+        self.get("wms?REQUEST=GetLegendGraphic&LAYER=plain&STYLE=intensity", 422)
+
+    def test_clients_write_maps_and_legends(self):
+        names = self.path("client.png"), self.path("legend.png")
+        subprocess.run([os.path.join(PROGRAMS, "scancast-client"), "map", self.server.url, "--cloud", "plain", "--crs", "EPSG:25833", "--bbox", ",".join(map(str, BOX)),
+                        "--width", "200", "--height", "200", "--method", "circle", "--shading", "unlit", "--color", "elevation", "--legend", names[1], "-o", names[0]],
+                       check=True, stdout=subprocess.PIPE, timeout=120)
+        map_there, legend_there = (open(name, "rb").read() for name in names)
+        self.assertEqual(map_there, self.map("EPSG:25833", BOX, 200, 200, STYLES="elevation")[1])
+        self.assertEqual(legend_there, self.get("wms?REQUEST=GetLegendGraphic&STYLE=elevation&method=circle&shading=unlit")[1])
+        sys.path.insert(0, os.path.join(ROOT, "client", "python"))
+        import scancast
+        self.assertEqual(scancast.Server(self.server.url).cloud("plain").legend(color="elevation").bytes, legend_there)
 
     def test_errors_are_the_services(self):
         good = {"SERVICE": "WMS", "VERSION": "1.3.0", "REQUEST": "GetMap", "LAYERS": "plain", "CRS": "EPSG:3857", "BBOX": "0,0,1,1", "WIDTH": "8", "HEIGHT": "8"}

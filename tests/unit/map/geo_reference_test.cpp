@@ -72,6 +72,13 @@ TEST(GeoReference, KnowsUnitsAndAxes) {
     const auto northFirst = GeoReference::create(cloudIn(31468));
     ASSERT_TRUE(northFirst);
     EXPECT_TRUE(northFirst->file().northFirst);
+    // Around a pole both axes lead the same way: easting first, northing first.
+    for (const auto& [polar, isNorthFirst] :
+         {std::pair{3031, false}, {5041, false}, {3413, false}, {32661, true}}) {
+        const auto around = GeoReference::create(cloudIn(polar));
+        ASSERT_TRUE(around) << around.error().message;
+        EXPECT_EQ(around->file().northFirst, isNorthFirst) << polar;
+    }
     const auto degrees = GeoReference::create(cloudIn(4326));
     ASSERT_TRUE(degrees);
     EXPECT_TRUE(degrees->file().degrees && degrees->file().northFirst);

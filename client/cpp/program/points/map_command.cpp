@@ -14,7 +14,7 @@ namespace {
 struct MapFlags {
     CloudFlags cloud;
     ViewFlags view;
-    std::string output;
+    std::string output, legend;
     MapArea area;
     std::vector<double> box;
     bool opaque = false;
@@ -40,6 +40,14 @@ Expected<void> run(const MapFlags& flags) {
     if (auto ok = writeFile(flags.output, map->bytes); !ok) return ok;
     sayOn(stdout, "%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), map->bytes.size(),
           cloud->id.c_str(), map->etag.c_str());
+    if (flags.legend.empty()) return {};
+    const auto legendFormat = pictureFormatOf(flags.legend);
+    if (!legendFormat) return passOn(legendFormat);
+    const auto legend = cloud->server.legend(cloud->id, *words, *legendFormat);
+    if (!legend) return passOn(legend);
+    if (auto ok = writeFile(flags.legend, legend->bytes); !ok) return ok;
+    sayOn(stdout, "%s: %zu bytes, what the colours of %s mean\n", flags.legend.c_str(), legend->bytes.size(),
+          flags.output.c_str());
     return {};
 }
 
@@ -50,7 +58,9 @@ void addMap(CLI::App& app, int& exitCode) {
     auto& command =
         *app.add_subcommand("map", "Fetch a map: the cloud from straight above, in any coordinates");
     flags->cloud.addTo(command);
-    addPictureFile(command, flags->output, "map");
+    addPictureFile(command, "-o,--output", flags->output,
+                   "The map to write: JPEG or PNG, by the ending of its name")
+        ->required();
     command
         .add_option("--crs", flags->area.crs,
                     "What the map is in: file, the cloud's own coordinates, EPSG:3857, CRS:84, or the number "
@@ -71,6 +81,8 @@ void addMap(CLI::App& app, int& exitCode) {
         ->check(CLI::Range(1, maxPictureSide))
         ->required();
     command.add_flag("--opaque", flags->opaque, "White where no point is; else transparent, of a PNG");
+    addPictureFile(command, "--legend", flags->legend,
+                   "Where to write what its colours mean, as another picture");
     flags->view.addTo(command, isOfMaps);
     command.footer(
         "Method, colours, what is cut away and the like are words of a view. Example:\n"

@@ -53,6 +53,38 @@ TEST(MapRequest, OfOldVersionsHasXFirst) {
     EXPECT_EQ(std::get<FeatureRequest>(*info).i, 2);
 }
 
+TEST(MapRequest, LegendsHaveStylesAndWordsOfMaps) {
+    const auto parsed = parseWmsRequest(
+        "SERVICE=WMS&VERSION=1.3.0&REQUEST=GetLegendGraphic&SLD_VERSION=1.1.0&LAYER=town&STYLE=elevation&"
+        "FORMAT="
+        "image/png&TRANSPARENT=true&WIDTH=20&HEIGHT=20&SCALE=1000&DPI=96&colormap=turbo",
+        "town");
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    const auto& legend = std::get<LegendRequest>(*parsed);
+    EXPECT_EQ(legend.words, (WordValues{{"colormap", "turbo"}, {"color", "elevation"}}));
+    EXPECT_TRUE(legend.transparent);
+    const std::string ask = "request=GetLegendGraphic";
+    EXPECT_EQ(fieldOf(ask), "");
+    EXPECT_EQ(fieldOf(ask + "&layer=other"), "LAYER");
+    EXPECT_EQ(fieldOf(ask + "&style=gaudy"), "STYLE");
+    EXPECT_EQ(fieldOf(ask + "&format=image/gif"), "FORMAT");
+    EXPECT_EQ(fieldOf(ask + "&rule=ground"), "RULE");
+    EXPECT_EQ(fieldOf(ask + "&sld=http://x/y"), "SLD");
+}
+
+TEST(MapRequest, CapabilitiesAreOfAVersionThatIsKnown) {
+    for (const auto& [version, isOld] : std::vector<std::pair<std::string, bool>>{{"", false},
+                                                                                  {"1.3.0", false},
+                                                                                  {"2.0.0", false},
+                                                                                  {"1.1.1", true},
+                                                                                  {"1.1.0", true},
+                                                                                  {"1.0.0", true}}) {
+        const auto parsed = parseWmsRequest("REQUEST=GetCapabilities&VERSION=" + version, "town");
+        ASSERT_TRUE(parsed);
+        EXPECT_EQ(std::get<CapabilitiesRequest>(*parsed).isOld, isOld) << version;
+    }
+}
+
 TEST(MapRequest, WhatIsWrongIsNamed) {
     const std::string map = getMap;
     EXPECT_EQ(fieldOf(map), "");
@@ -79,6 +111,11 @@ TEST(MapRequest, WhatIsWrongIsNamed) {
     EXPECT_EQ(fieldOf("request=GetMap&bbox=1,2,3,4" + rest), "CRS");
     EXPECT_EQ(fieldOf("request=GetFeatureInfo&crs=file&bbox=1,2,3,4&i=3&j=0" + rest), "I");
     EXPECT_EQ(fieldOf("request=GetFeatureInfo&crs=file&bbox=1,2,3,4&i=1&j=-1" + rest), "J");
+    const std::string info = "request=GetFeatureInfo&crs=file&bbox=1,2,3,4&i=1&j=1" + rest;
+    for (const char* count : {"", "1", "10"})
+        EXPECT_EQ(fieldOf(info + "&feature_count=" + count), "") << count;
+    for (const char* count : {"0", "-1", "all"})
+        EXPECT_EQ(fieldOf(info + "&feature_count=" + count), "FEATURE_COUNT") << count;
 }
 
 TEST(MapRequest, TilesByEitherAddress) {

@@ -69,12 +69,12 @@ Box boundsInMap(const Box& bounds, const MapProjection& projection) {
 }
 
 /// Pixels of the map in which something of the cloud may be.
-struct Window {
+struct NetWindow {
     glm::ivec2 first{0}, size{0};
     bool empty() const { return size.x <= 0 || size.y <= 0; }
 };
 
-Window windowOf(const MapExtent& extent, const Box& box) {
+NetWindow windowOf(const MapExtent& extent, const Box& box) {
     const glm::dvec2 sides(extent.width, extent.height);
     const glm::dvec2 pixel = (extent.high - extent.low) / sides;
     const auto clamped = [&](const glm::dvec2& p) { return glm::ivec2(glm::clamp(p, glm::dvec2(0), sides)); };
@@ -99,7 +99,7 @@ void toCloud(const MapProjection& projection, std::vector<glm::dvec2>& places) {
     if (projection.toCloud) projection.toCloud(places);
 }
 
-Net netOf(const MapExtent& extent, const MapProjection& projection, const Window& window, int step) {
+Net netOf(const MapExtent& extent, const MapProjection& projection, const NetWindow& window, int step) {
     Net net;
     net.step = step;
     net.columns = (window.size.x + step - 1) / step + 1;
@@ -113,14 +113,14 @@ Net netOf(const MapExtent& extent, const MapProjection& projection, const Window
     return net;
 }
 
-std::size_t nodesOf(const Window& window, int step) {
+std::size_t nodesOf(const NetWindow& window, int step) {
     return std::size_t((window.size.x + step - 1) / step + 1) *
            std::size_t((window.size.y + step - 1) / step + 1);
 }
 
 /// How far the net is off in the middle of cells and of their edges, cloud units: what bends is farthest off there.
 double errorOf(const Net& net, const MapExtent& extent, const MapProjection& projection,
-               const Window& window) {
+               const NetWindow& window) {
     if (!projection.toCloud) return 0;
     std::vector<glm::dvec2> there, between;
     for (int row = 0; row + 1 < net.rows; ++row) {
@@ -235,7 +235,7 @@ Expected<std::optional<MapPicture>> mapPicture(const CloudFacts& cloud, const Ma
             return drawnDirectly(cloud, extent, background, limits);
         }
     }
-    const Window window = windowOf(extent, here);
+    const NetWindow window = windowOf(extent, here);
     if (window.empty()) return std::nullopt;
     Net net;
     double perPixel = 0, off = 0;

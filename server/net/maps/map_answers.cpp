@@ -240,7 +240,7 @@ void MapAnswers::map(const Shared& asked, const MapRequest& map, const View& loo
     if (isProjected && !crsMeaning(cloud.crsWkt, cloud.crsEpsg))
         return asked->refuse({ErrorCode::Unsupported,
                               "Where this cloud lies in the world is not known: the scan says nothing of its "
-                              "coordinate reference system.",
+                              "coordinate reference system. Ask for it in the cloud's own coordinates: file.",
                               "CRS"});
     Ordered ordered{map, std::move(*view), (*planned)->margin, device.info, {}};
     ordered.tag = contentTag(

@@ -306,6 +306,9 @@ void PointsAnswers::draw(std::shared_ptr<Drawing> work) const {
             return secret(std::move(response));
         });
         if (!answer) return work->asked.refuse(answer.error());
+        // Before its reader has it: he may ask for another at once.
+        work->drawing.reset();
+        work->asked.working.resize(0);
         work->asked.respond(std::move(*answer));
     });
     if (!posted)

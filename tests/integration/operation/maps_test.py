@@ -124,6 +124,11 @@ class Maps(unittest.TestCase):
     def path(cls, name):
         return os.path.join(cls.folder, name)
 
+    @staticmethod
+    def bytes_of(path):
+        with open(path, "rb") as file:
+            return file.read()
+
     def get(self, target, status=200, cloud="plain", **headers):
         found, answered, body = self.server.get(f"/api/v1/clouds/{cloud}/{target}", headers=headers)
         self.assertEqual(found, status, body[:500])
@@ -405,7 +410,7 @@ class Maps(unittest.TestCase):
         subprocess.run([os.path.join(PROGRAMS, "scancast-client"), "map", self.server.url, "--cloud", "plain", "--crs", "EPSG:25833", "--bbox", ",".join(map(str, BOX)),
                         "--width", "200", "--height", "200", "--method", "circle", "--shading", "unlit", "--color", "elevation", "--legend", names[1], "-o", names[0]],
                        check=True, stdout=subprocess.PIPE, timeout=120)
-        map_there, legend_there = (open(name, "rb").read() for name in names)
+        map_there, legend_there = (self.bytes_of(name) for name in names)
         self.assertEqual(map_there, self.map("EPSG:25833", BOX, 200, 200, STYLES="elevation")[1])
         self.assertEqual(legend_there, self.get("wms?REQUEST=GetLegendGraphic&STYLE=elevation&method=circle&shading=unlit")[1])
         sys.path.insert(0, os.path.join(ROOT, "client", "python"))

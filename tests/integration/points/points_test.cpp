@@ -146,7 +146,9 @@ TEST_F(PointsTest, AProfileIsItsCorridorsPointsAndItsPictureSaysWhatItShows) {
     EXPECT_GE(facts["right"].get<double>(), corridor->length());
     EXPECT_LE(facts["bottom"].get<double>(), facts["heights"][0].get<double>());
     EXPECT_GE(facts["top"].get<double>(), facts["heights"][1].get<double>());
-    EXPECT_EQ(ask(line, "profile", "survey", {"Accept: image/png"}).body, png.body);
+    // As often as one likes: the memory of one is free when it has arrived.
+    for (int i = 0; i < 5; ++i)
+        EXPECT_EQ(ask(line, "profile", "survey", {"Accept: image/png"}).body, png.body);
     json byDepth = line;
     byDepth["format"] = "png";
     byDepth["picture"] = {{"color", "depth"}};

@@ -105,8 +105,8 @@ class IngestedScan : public testing::TestWithParam<test::RealScan> {};
 TEST_P(IngestedScan, HoldsWhatTheScanHolds) {
     const auto& expected = GetParam();
     REQUIRE_TEST_DATA(expected.file);
-    if (test::sanitized && expected.points > 500'000)
-        GTEST_SKIP() << "more than 500,000 points are read in the other builds only";
+    if (test::sanitized && expected.points > 200'000)
+        GTEST_SKIP() << "more than 200,000 points are read in the other builds only";
     const ImportOptions options{.importerDirectory = SCANCAST_BIN_DIR, .keepAttributes = true};
     auto source = openScan(test::testData(expected.file), options);
     ASSERT_TRUE(source) << source.error().message;

@@ -48,6 +48,13 @@ ProfileScale profileScale(const ProfilePicture& picture, double length, const st
     return scale;
 }
 
+std::uint64_t mostProfilePixels(const ProfilePicture& picture, double length,
+                                const std::array<double, 2>& heights, std::uint64_t mostPixels) {
+    // The higher what is shown, the higher the picture, as long as it may be.
+    const ProfileScale most = profileScale(picture, length, heights, mostPixels);
+    return std::min(std::uint64_t(most.width) * std::uint64_t(most.height), mostPixels);
+}
+
 Expected<std::unique_ptr<ProfileDrawing>> ProfileDrawing::create(const Cloud& cloud,
                                                                  std::shared_ptr<const CloudFile> file,
                                                                  const ProfileRequest& request,

@@ -32,6 +32,9 @@ struct ProfileScale {
 /// For points between these heights. Everything fits in. `mostPixels`: of the whole picture, where its height is free.
 ProfileScale profileScale(const ProfilePicture& picture, double length, const std::array<double, 2>& heights,
                           std::uint64_t mostPixels);
+/// As many pixels as the picture has at most, before it is known which points of a cloud between these heights it shows.
+std::uint64_t mostProfilePixels(const ProfilePicture& picture, double length,
+                                const std::array<double, 2>& heights, std::uint64_t mostPixels);
 
 class ProfileDrawing {
   public:

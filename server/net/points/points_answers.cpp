@@ -126,8 +126,8 @@ PointsAnswers::~PointsAnswers() = default;
 tl::expected<PointsAnswers::Asked, Problem> PointsAnswers::admit(const HttpRequest& request,
                                                                  const Routed& routed,
                                                                  const VisibleClouds& clouds,
-                                                                 std::uint64_t picturePixels) const {
-    const bool isPicture = picturePixels > 0;
+                                                                 const PicturePixels& picturePixels) const {
+    const bool isPicture = picturePixels != nullptr;
     auto cloud = clouds.cloud(routed.id);
     if (!cloud) return tl::unexpected(std::move(cloud.error()));
     if (routed.grant.identity.kind == IdentityKind::Guest && !isPicture && !options_.guestsMayExport)
@@ -152,7 +152,7 @@ tl::expected<PointsAnswers::Asked, Problem> PointsAnswers::admit(const HttpReque
     const bool isAlone = memory_.bytes(MemoryUse::Answers) == 0;
     // What lies nearest in each, its colours, and these as PNG.
     constexpr std::uint64_t bytesPerPixel = 8 + 4 + 4;
-    const std::uint64_t needed = workingBytes + picturePixels * bytesPerPixel;
+    const std::uint64_t needed = workingBytes + (isPicture ? picturePixels(**cloud) * bytesPerPixel : 0);
     if (!isAlone && memory_.bytes(MemoryUse::Answers) + needed > memory_.forAnswers())
         return tl::unexpected(problemOf(
             503, "There is no memory for another export: others have not been read yet. Ask again later."));
@@ -176,7 +176,7 @@ void PointsAnswers::points(const HttpRequest& request, const Routed& routed, con
                  mediaType(wanted->format).substr(0, mediaType(wanted->format).find(';'))))
         return refuse(problemOf(406, fmt::format("Points as {} are {}, which the Accept header rules out.",
                                                  name(wanted->format), mediaType(wanted->format))));
-    auto asked = admit(request, routed, clouds, 0);
+    auto asked = admit(request, routed, clouds, nullptr);
     if (!asked) return refuse(std::move(asked.error()));
     asked->respond = std::move(respond);
     asked->gone = std::move(gone);
@@ -211,11 +211,11 @@ void PointsAnswers::profile(const HttpRequest& request, const Routed& routed, co
     auto corridor = Corridor::create(wanted->line, wanted->width);
     if (!corridor) return refuse(problemOf(corridor.error()));
     const auto& picture = wanted->picture;
-    const std::uint64_t pixels = wanted->format ? 0
-                                 : picture.height
-                                     ? std::uint64_t(picture.width) * std::uint64_t(*picture.height)
-                                     : options_.mostPixels;
-    auto asked = admit(request, routed, clouds, std::min(pixels, options_.mostPixels));
+    const PicturePixels pixels = [&](const Cloud& cloud) {
+        const std::array heights{cloud.bounds[0].z, cloud.bounds[1].z};
+        return mostProfilePixels(picture, corridor->length(), heights, options_.mostPixels);
+    };
+    auto asked = admit(request, routed, clouds, wanted->format ? nullptr : pixels);
     if (!asked) return refuse(std::move(asked.error()));
     asked->respond = respond;
     asked->gone = std::move(gone);

@@ -6,6 +6,7 @@
 // Owned by the API. *Thread safety*: any thread. Pipeline: api → **points answers** → points job, profile drawing.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <stop_token>
 
@@ -50,8 +51,11 @@ class PointsAnswers {
     struct Drawing;
     class Body;
 
+    /// At most, of a cloud's picture.
+    using PicturePixels = std::function<std::uint64_t(const Cloud&)>;
+    /// `picturePixels`: nullptr where points are wanted.
     tl::expected<Asked, Problem> admit(const HttpRequest& request, const Routed& routed,
-                                       const VisibleClouds& clouds, std::uint64_t picturePixels) const;
+                                       const VisibleClouds& clouds, const PicturePixels& picturePixels) const;
     void begin(std::shared_ptr<Export> work) const;
     void produce(std::shared_ptr<Export> work, BodySource::Given given) const;
     void draw(std::shared_ptr<Drawing> work) const;

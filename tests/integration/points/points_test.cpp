@@ -272,6 +272,24 @@ TEST_F(PointsTest, WhoLeavesEndsTheWorkAndOneClientMayNotHaveItAll) {
     EXPECT_TRUE(eventually([&] { return held() == 0; }));
 }
 
+// Not as the largest there may be: of that two would be more than all answers may have.
+TEST_F(PointsTest, AProfilesPictureCountsAsHighAsItsCloudIs) {
+    start();
+    const auto file = std::make_shared<FakeCloudFile>(7, 3, 1'000);
+    add("flat", file);
+    file->setOpen(false);
+    const std::shared_ptr<void> opened(nullptr, [&](const void*) { file->setOpen(true); });
+    std::vector<std::unique_ptr<RawSocket>> waiting;
+    for (int i = 0; i < 2; ++i) {
+        waiting.push_back(std::make_unique<RawSocket>(port()));
+        ASSERT_TRUE(waiting.back()->send(
+            requestFor("/api/v1/clouds/flat/profile",
+                       {{"line", {{0, 0}, {50, 0}}}, {"format", "png"}, {"picture", {{"width", 1000}}}})));
+    }
+    // A thousandth of its length is the least height of a profile.
+    EXPECT_TRUE(eventually([&] { return held() == 2 * ((24 << 20) + 16.0 * 1000); })) << held();
+}
+
 TEST_F(PointsTest, TheClientLibraryHandsItOverPieceByPiece) {
     startWithSurvey();
     const client::Server asked(*client::parseServerUrl(server->url()));

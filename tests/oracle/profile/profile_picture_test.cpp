@@ -226,6 +226,30 @@ TEST_F(ProfilePictureTest, EverythingFitsInAndTheScaleSaysWhere) {
     EXPECT_LE(bounded.width * bounded.height, 30'000);
 }
 
+TEST(ProfilePixels, AreAtMostThoseOfTheWholeCloud) {
+    constexpr std::uint64_t most = 40'000;
+    for (const std::optional<int> height : {std::optional<int>(), std::optional(100)})
+        for (const std::optional<double> exaggeration : {std::optional<double>(), std::optional(7.5)}) {
+            ProfilePicture picture;
+            picture.width = 200;
+            picture.height = height;
+            picture.exaggeration = exaggeration;
+            const std::uint64_t allowed = mostProfilePixels(picture, 50, {-10, 20}, most);
+            EXPECT_LE(allowed, most);
+            if (!height && !exaggeration) {
+                EXPECT_EQ(allowed, 200U * 120U);
+            }
+            std::uint64_t seen = 0;
+            for (double low = -10; low <= 20; low += 0.37)
+                for (double high = low; high <= 20; high += 0.37) {
+                    const ProfileScale scale = profileScale(picture, 50, {low, high}, most);
+                    seen = std::max(seen, std::uint64_t(scale.width) * std::uint64_t(scale.height));
+                }
+            EXPECT_LE(seen, allowed);
+            EXPECT_GT(seen, allowed * 9 / 10) << "more is kept free than is ever needed";
+        }
+}
+
 TEST_F(ProfilePictureTest, ColoursAreThoseOfViews) {
     for (const ColorSource source : {ColorSource::Rgb, ColorSource::Intensity, ColorSource::Elevation,
                                      ColorSource::Classification, ColorSource::Flat}) {

@@ -97,6 +97,7 @@ void StreamSession::taken() {
 }
 
 void StreamSession::connectionLost(bool done, Time now) {
+    video_.reset();
     if (!ticket_) return;
     if (done)
         options_.resumable->forget(*ticket_);
@@ -112,6 +113,7 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
         return;
     }
     withDepth_ = hello.depth;
+    codecs_ = hello.codecs;
     if (auto resumed = resume(hello, now)) return begin(std::move(*resumed), true, now);
     auto scene = scenes_.opened(hello);
     if (!scene) return refuse(std::move(scene.error()), std::nullopt);
@@ -181,10 +183,29 @@ void StreamSession::begin(Scene scene, bool resumed, Time now) {
     welcome.methods = world_.methodNames();
     welcome.limits.maxPixels = options_.maxPixels;
     welcome.view = toJson(scene_.view);
+    chooseCodec(welcome);
     port_.sendText(printMessage(welcome));
     if (leaving_) port_.sendText(printMessage(*leaving_));
     followLeader(now);  // it may have moved on meanwhile
     pump(now);
+}
+
+// Who comes back has another decoder, and so begins with a key, whatever he saw before.
+void StreamSession::chooseCodec(messages::Welcome& welcome) {
+    if (options_.video != nullptr) {
+        welcome.codecs.clear();
+        for (const Codec codec : options_.video->codecs()) welcome.codecs.emplace_back(name(codec));
+    }
+    if (codecs_.front() != Codec::H264) return;
+    auto video = options_.video != nullptr
+                     ? options_.video->take()
+                     : fail(ErrorCode::Unavailable, "This connection's moving frames are JPEG always.");
+    if (video) {
+        video_ = std::move(*video);
+        welcome.movingCodec = name(Codec::H264);
+    } else {
+        welcome.codecReason = std::move(video.error().message);
+    }
 }
 
 void StreamSession::remember() {
@@ -268,9 +289,10 @@ void StreamSession::leaveOutLost(Time now) {
     if (scene.view.with == scene_.view.with) return;
     for (const ViewedCloud& one : scene_.view.with) {
         if (std::ranges::find(scene.view.with, one) != scene.view.with.end()) continue;
-        Problem problem = problemOf(404, "The cloud \"" + one.cloud +
-                                             "\" has been removed, or cannot be read any more; this session shows the "
-                                             "others without it.");
+        Problem problem =
+            problemOf(404, "The cloud \"" + one.cloud +
+                               "\" has been removed, or cannot be read any more; this session shows the "
+                               "others without it.");
         problem.errors.push_back({"with", problem.detail});
         refuse(std::move(problem), std::nullopt);
     }
@@ -372,7 +394,9 @@ StreamSession::Order StreamSession::nextOrder(std::optional<StillSchedule::Still
     order.seq = scene_.seq;
     order.viewTime = viewTime_;
     order.still = still;
-    if (!still) order.quality = quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_);
+    if (!still)
+        order.quality =
+            quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_, video_ != nullptr);
     order.view = viewOf(order);
     return order;
 }
@@ -393,6 +417,7 @@ PictureOrder StreamSession::pictureOf(const Order& order) const {
     picture.complete = order.still == StillSchedule::Still::Final;
     picture.onlyWhole = order.still == StillSchedule::Still::Trial;
     picture.interruptible = order.still.has_value();
+    if (!order.still) picture.video = video_;
     if (!order.still && before_) {
         picture.ahead =
             extrapolate(*before_, scene_.view.camera, secondsBetween(beforeTime_, viewTime_), aheadSeconds);
@@ -434,13 +459,26 @@ void StreamSession::pump(Time now) {
     }
 }
 
+// A picture of the video that builds on one which was not sent is worth nothing: then a key is to come, and the view is shown anew.
+bool StreamSession::continuesVideo(const EncodedPicture& picture) {
+    if (picture.codec == Codec::Jpeg || !video_) return true;
+    const bool sound = picture.key || picture.videoNumber == lastVideo_ + 1;
+    if (sound)
+        lastVideo_ = picture.videoNumber;
+    else
+        video_->wantKey();
+    return sound;
+}
+
 void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> result, Time now) {
     const auto at = std::find_if(outstanding_.begin(), outstanding_.end(),
                                  [&](const Order& order) { return order.number == number; });
     if (state_ != State::Open || at == outstanding_.end()) return;  // replaced or abandoned meanwhile
     const Order order = *at;
     outstanding_.erase(at);
-    if (result) {
+    if (result && !continuesVideo(*result)) {
+        fresh_ = true;
+    } else if (result) {
         deliver(order, std::move(*result), now);
     } else {
         const bool cancelled = result.error().code == ErrorCode::Cancelled;
@@ -465,6 +503,8 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     header.final = order.still && order.still != StillSchedule::Still::Sharper;
     header.damaged = header.final && picture.stats.nodesDamaged > 0;  // nothing better will come
     header.away = picture.stats.away;
+    header.codec = picture.codec;
+    header.key = picture.key;
     if (header.away) stills_.saidAway();
     if (order.still) stills_.drawn(*order.still, picture.stats.samplesMissing, now);
     header.pictureLength = std::uint32_t(picture.bytes->size());
@@ -479,7 +519,13 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
         quality_.drawn(order.quality, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
     }
     const std::size_t depthBytes = picture.depth ? picture.depth->size() : 0;
-    quality_.sent(header.frameId, order.view, picture.bytes->size() + depthBytes, now);
+    const Coding coding = picture.codec == Codec::Jpeg ? Coding::Jpeg
+                          : picture.key                ? Coding::VideoKey
+                                                       : Coding::Video;
+    quality_.sent(header.frameId, order.view, picture.bytes->size() + depthBytes, now, coding);
+    if (video_ && order.still)
+        video_->wantKey();  // what moves next begins where nobody waits for what was before
+    if (video_ && video_->hasFailed()) video_.reset();
     if (options_.registration != nullptr) options_.registration->frameSent();
     remember();  // first: who gets the frame may come back at once, by another connection
     port_.sendFrame(header, picture.bytes, picture.depth);
@@ -543,6 +589,7 @@ void StreamSession::close(CloseCode code, std::string reason) {
     state_ = State::Closed;
     if (ticket_) options_.resumable->forget(*ticket_);
     ticket_.reset();
+    video_.reset();
     outstanding_.clear();
     port_.abandon();
     port_.sendText(printMessage(messages::Bye{code, reason}));

@@ -21,7 +21,7 @@ constexpr double jitterHeld = 0.25;
 constexpr double bytesHeld = 1.5;
 constexpr double quietPart = 0.75;
 
-double seconds(SendWindow::Time from, SendWindow::Time to) {
+double secondsPassed(SendWindow::Time from, SendWindow::Time to) {
     return std::chrono::duration<double>(to - from).count();
 }
 
@@ -58,12 +58,12 @@ void SendWindow::acknowledged(std::uint64_t frame, const LinkEstimate& link, Tim
     base_ = link.latency();
     bandwidth_ = link.bandwidth();
     if (!newest->tells) return before_.reset();
-    const double roundTrip = seconds(newest->sent, now);
+    const double roundTrip = secondsPassed(newest->sent, now);
     if (before_) jitter_ += smoothing * (std::abs(roundTrip - *before_) - jitter_);
     before_ = roundTrip;
     constexpr double clockTick = 1e-6;
     const double sample =
-        double(delivered_ - newest->delivered) / std::max(seconds(newest->deliveredAt, now), clockTick);
+        double(delivered_ - newest->delivered) / std::max(secondsPassed(newest->deliveredAt, now), clockTick);
     if (roundTrip > base_ + jitter_ + waited / sample) growing_ = false;
     noteRate(sample, newest->full, roundTrip > longest(), now);
 }
@@ -75,7 +75,7 @@ void SendWindow::noteRate(double sample, bool full, bool late, Time now) {
         roundStart_ = now;
         return;
     }
-    if (full && seconds(roundStart_, now) > base_ + jitter_) {
+    if (full && secondsPassed(roundStart_, now) > base_ + jitter_) {
         rateBefore_ = rate_;
         rate_ = 0;
         roundStart_ = now;
@@ -106,7 +106,7 @@ std::size_t SendWindow::window() const {
 
 std::size_t SendWindow::frames(Time now) const {
     if (flights_.empty() || base_ == 0) return window();
-    const bool late = seconds(flights_.front().sent, now) > longest();
+    const bool late = secondsPassed(flights_.front().sent, now) > longest();
     const bool full =
         bandwidth_ && double(flyingBytes_) > bytesHeld * *bandwidth_ * (base_ + jitter_) + typical_;
     return late || full ? fewest : window();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "protocol/messages.hpp"
+
 namespace scancast {
 namespace {
 
@@ -45,8 +47,8 @@ constexpr double steepestRise = 6;                          // of JPEG quality, 
 constexpr double chromaCosts = 10;
 // The estimate of the bandwidth errs towards too much, never towards a blur; this makes up for it.
 constexpr double shareOfLink = 0.7;
-// Where a round trip decides the rate anyway, this share of it may go into a sharper picture.
-constexpr double shareOfLatency = 1.0 / 8;
+// Where the round trip decides the rate anyway, because the window is at its end, frames may take their share of it.
+constexpr double shareOfLatency = 1.0 / maxUnacknowledgedFrames;
 constexpr double rivalsSmoothing = 0.2;
 
 }  // namespace

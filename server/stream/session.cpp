@@ -19,6 +19,8 @@ std::uint32_t microseconds(double milliseconds) {
 
 // Each has a picture drawn; who asks faster than it is answered gains nothing by a longer queue.
 constexpr int mostPicks = 4;
+// One is drawn while another waits for its turn, or for its encoder.
+constexpr std::size_t mostOrders = 2;
 // How far prefetching looks ahead: about what a disk needs for a screenful.
 constexpr double aheadSeconds = 0.3;
 
@@ -372,6 +374,7 @@ void StreamSession::handle(const messages::Ack& ack, Time now) {
     }
     ackedFrame_ = std::max(ackedFrame_, ack.frame);
     quality_.acknowledged(ack.frame, limits_, now);
+    window_.acknowledged(ack.frame, quality_.link(), now);
     pump(now);
 }
 
@@ -425,7 +428,8 @@ PictureOrder StreamSession::pictureOf(const Order& order) const {
     return picture;
 }
 
-void StreamSession::place(const Order& order) {
+void StreamSession::place(Order order, Time now) {
+    order.placed = now;
     outstanding_.push_back(order);
     port_.order(order.number, pictureOf(order));
 }
@@ -435,27 +439,41 @@ bool StreamSession::stillComing() const {
         outstanding_, [](const Order& o) { return o.still && o.still != StillSchedule::Still::Final; });
 }
 
-// Orders what is due. A frame that is sent or being made counts against the two that may be unacknowledged,
-// so a finished picture can always go out at once.
+// A frame that is being made counts, too, so a finished picture can always go out at once.
+bool StreamSession::hasRoom(Time now) const {
+    return outstanding_.size() < mostOrders &&
+           unacknowledged() + outstanding_.size() < options_.window.value_or(window_.frames(now));
+}
+
+bool StreamSession::hasQuiet(Time now) const {
+    if (unacknowledged() == 0 || !quality_.link().wantsQuiet(now)) return false;
+    return unacknowledged() + outstanding_.size() >= window_.quietFrames(quality_.link().wantedQuiet(now));
+}
+
+// Orders what is due.
 void StreamSession::pump(Time now) {
     if (state_ != State::Open) return;
-    quiet_ = unacknowledged() > 0 && quality_.link().wantsQuiet(now);
-    if (fresh_ && room() && !quiet_ && pace_.allows(viewTime_, limits_.fps, now)) {
+    quiet_ = hasQuiet(now);
+    room_ = hasRoom(now);
+    if (fresh_ && room_ && !quiet_ && pace_.allows(viewTime_, limits_.fps, now)) {
         fresh_ = false;
         pace_.begin(limits_.fps, now);
-        place(nextOrder(std::nullopt));
+        place(nextOrder(std::nullopt), now);
     } else if (fresh_ && !outstanding_.empty()) {
-        const Order order = nextOrder(std::nullopt);
+        Order order = nextOrder(std::nullopt);
         if (port_.replaceWaiting(order.number, pictureOf(order))) {
             fresh_ = false;
             ++overtaken_;
+            order.placed = outstanding_.back().placed;
             outstanding_.back() = order;
         }
     }
-    if (fresh_ || !room()) return;
+    room_ = hasRoom(now);
+    if (fresh_ || !room_) return;
     if (const auto still = stills_.due(!outstanding_.empty(), stillComing(), now)) {
         stills_.ordered(*still);
-        place(nextOrder(*still));
+        place(nextOrder(*still), now);
+        room_ = hasRoom(now);
     }
 }
 
@@ -519,10 +537,16 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
         quality_.drawn(order.quality, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
     }
     const std::size_t depthBytes = picture.depth ? picture.depth->size() : 0;
+    const std::size_t bytes = picture.bytes->size() + depthBytes;
     const Coding coding = picture.codec == Codec::Jpeg ? Coding::Jpeg
                           : picture.key                ? Coding::VideoKey
                                                        : Coding::Video;
-    quality_.sent(header.frameId, order.view, picture.bytes->size() + depthBytes, now, coding);
+    quality_.sent(header.frameId, order.view, bytes, now, coding);
+    if (order.still)
+        window_.sentStill(header.frameId, bytes, now);
+    else
+        window_.sentMoving(header.frameId, bytes, secondsBetween(order.placed, now), outstanding_.size(),
+                           now);
     if (video_ && order.still)
         video_->wantKey();  // what moves next begins where nobody waits for what was before
     if (video_ && video_->hasFailed()) video_.reset();
@@ -578,7 +602,7 @@ std::optional<StreamSession::Time> StreamSession::wakeAt() const {
     if (state_ != State::Open) return std::nullopt;
     // Without room, or while the link is to be quiet, it is an acknowledgement or a finished picture that
     // brings the next step, not time.
-    if (!room() || (fresh_ && quiet_)) return nextLook_;
+    if (!room_ || (fresh_ && quiet_)) return nextLook_;
     const auto due = fresh_ ? std::optional(pace_.due(limits_.fps)) : stills_.dueAt(!outstanding_.empty());
     if (!due) return nextLook_;
     return nextLook_ ? std::min(*nextLook_, *due) : *due;

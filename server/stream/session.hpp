@@ -29,6 +29,7 @@
 #include "server/stream/quality_controller.hpp"
 #include "server/stream/resume_store.hpp"
 #include "server/stream/scene.hpp"
+#include "server/stream/send_window.hpp"
 #include "server/stream/session_register.hpp"
 #include "server/stream/still_schedule.hpp"
 
@@ -65,10 +66,11 @@ struct SessionOptions {
         nullptr;                  ///< its entry in the register; empty = it has none, and follows nobody
     bool mayFollow = true;        ///< others; what they show may be more than its client may see
     bool endsWithLeader = false;  ///< ends when the session that it follows does
-    std::size_t window = maxUnacknowledgedFrames;  ///< frames that are drawn before one is acknowledged
-    ResumeStore* resumable = nullptr;              ///< null = sessions cannot be resumed
-    const VideoPlaces* video = nullptr;            ///< null = moving frames are JPEG
-    std::uint64_t maxPixels = 0;                   ///< of a picture
+    /// Frames that are made before one is acknowledged; empty = as many as the line holds (send_window.hpp).
+    std::optional<std::size_t> window;
+    ResumeStore* resumable = nullptr;    ///< null = sessions cannot be resumed
+    const VideoPlaces* video = nullptr;  ///< null = moving frames are JPEG
+    std::uint64_t maxPixels = 0;         ///< of a picture
     std::chrono::milliseconds helloPatience{10000};
     std::chrono::milliseconds statsInterval{1000};
     StillTimes stills;
@@ -116,7 +118,7 @@ class StreamSession {
 
     struct Order {
         std::uint64_t number = 0, seq = 0;
-        Time viewTime;
+        Time viewTime, placed;
         std::optional<StillSchedule::Still> still;  // empty = a moving frame
         MovingQuality quality;                      // of a moving frame
         View view;                                  // as it is drawn
@@ -140,7 +142,7 @@ class StreamSession {
     void leaderLeft();
     void refuse(Problem problem, std::optional<std::uint64_t> seq);
     void pump(Time now);
-    void place(const Order& order);
+    void place(Order order, Time now);
     void viewChanged(Time now);
     void lookForNewerCloud(Time now);
     void leaveOutLost(Time now);
@@ -151,7 +153,8 @@ class StreamSession {
     void deliver(const Order& order, EncodedPicture picture, Time now);
     void sendStats(const Order& order, const EncodedPicture& picture, Time now);
     void close(CloseCode code, std::string reason);
-    bool room() const { return unacknowledged() + outstanding_.size() < options_.window; }
+    bool hasRoom(Time now) const;
+    bool hasQuiet(Time now) const;
     std::size_t unacknowledged() const { return std::size_t(lastFrame_ - ackedFrame_); }
 
     const SessionOptions options_;
@@ -174,8 +177,10 @@ class StreamSession {
     std::shared_ptr<VideoStream> video_;      // of moving frames, where it has one
     std::uint64_t lastVideo_ = 0;             // number of the newest of its pictures that was sent
 
-    bool fresh_ = false;            // a view came for which nothing has been ordered
-    bool quiet_ = false;            // ... because a frame is to have the link to itself
+    SendWindow window_;
+    bool fresh_ = false;  // a view came for which nothing has been ordered
+    bool room_ = false;   // for another frame, when last looked
+    bool quiet_ = false;  // ... but none is ordered, because one is to find the link without a queue
     std::optional<Camera> before_;  // the camera of the view before, while the camera moves
     Time beforeTime_;
     FramePace pace_;

@@ -13,6 +13,7 @@
 
 #include "client/cpp/program/orbit_start.hpp"
 #include "client/cpp/server.hpp"
+#include "protocol/frame_header.hpp"
 
 namespace scancast::client {
 

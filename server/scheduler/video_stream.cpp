@@ -10,11 +10,13 @@ namespace scancast {
 
 // JPEG's steps are `scale` times those of the standard's tables (libjpeg's rule), H.264's double with every sixth QP.
 int quantiserFor(int jpegQuality) {
-    constexpr double atHalf = 35, perDoubling = 5;
+    constexpr double atHalf = 35, perDoubling = 5, perCoarserDoubling = 3.75;
     const double quality = std::clamp(jpegQuality, 1, 100);
     const double scale = quality < 50 ? 50 / quality : 2 - quality / 50;
     constexpr int least = 10, most = 48;
-    return std::clamp(int(std::lround(atHalf + perDoubling * std::log2(std::max(scale, 0.02)))), least, most);
+    const double doublings = std::log2(std::max(scale, 0.02));
+    const double quantiser = atHalf + doublings * (doublings > 0 ? perCoarserDoubling : perDoubling);
+    return std::clamp(int(std::lround(quantiser)), least, most);
 }
 
 VideoStream::VideoStream(TransientMemory memory, std::shared_ptr<const void> place)

@@ -82,9 +82,11 @@ Cost asVideo(const std::vector<Frame>& frames, int quantiser) {
 
 void match(const std::vector<Frame>& frames) {
     std::vector<std::pair<int, Cost>> videos;
-    for (int quantiser = 14; quantiser <= 46; quantiser += 2) videos.emplace_back(quantiser, asVideo(frames, quantiser));
+    for (int quantiser = 14; quantiser <= 46; quantiser += 2)
+        videos.emplace_back(quantiser, asVideo(frames, quantiser));
     for (const auto& [quantiser, cost] : videos)
-        std::printf("QP %d: %.2f dB, %.0f bytes, key %.0f\n", quantiser, cost.psnr, cost.bytes, cost.keyBytes);
+        std::printf("QP %d: %.2f dB, %.0f bytes, key %.0f\n", quantiser, cost.psnr, cost.bytes,
+                    cost.keyBytes);
     for (const int quality : {10, 20, 30, 40, 50, 60, 70, 80, 85, 90, 95, 98}) {
         const Cost jpeg = asJpeg(frames, quality);
         double found = 0;
@@ -93,8 +95,8 @@ void match(const std::vector<Frame>& frames) {
             if (above >= jpeg.psnr && below < jpeg.psnr)
                 found = videos[i - 1].first + 2 * (above - jpeg.psnr) / (above - below);
         }
-        std::printf("JPEG %d: %.2f dB, %.0f bytes = QP %.1f; quantiserFor() %d\n", quality, jpeg.psnr, jpeg.bytes,
-                    found, quantiserFor(quality));
+        std::printf("JPEG %d: %.2f dB, %.0f bytes = QP %.1f; quantiserFor() %d\n", quality, jpeg.psnr,
+                    jpeg.bytes, found, quantiserFor(quality));
     }
 }
 
@@ -122,30 +124,33 @@ int main(int argc, char** argv) {
     std::string method = "auto";
     bool isMatch = false;
     bench::readOptions(argc, argv,
-                       {bench::countOption("--points", points, 1000), bench::countOption("--frames", count, 2),
+                       {bench::countOption("--points", points, 1000),
+                        bench::countOption("--frames", count, 2),
                         {"--degrees", [&](const std::string& value) { degrees = std::atof(value.c_str()); }},
                         {"--method", [&](const std::string& value) { method = value; }},
                         bench::flagOption("--match", isMatch)},
                        "bench_video --points 4000000 --frames 90 --degrees 1 --method auto --match");
-    const auto cloud = test::sceneCloud("town", std::uint64_t(points));
+    const auto cloud = orExit(test::sceneCloud("town", std::uint64_t(points)));
     DeviceOptions options;
     options.backend = "cpu";
     const auto device = orExit(createDevice(options));
     constexpr double wanted = 30;
     for (const auto& [width, height] : {std::pair{1280, 720}, {640, 360}}) {
         const auto frames = orbit(*device, *cloud, width, height, count, degrees, method);
-        std::printf("%d x %d, %d frames %.2f degrees apart, %d points, method %s\n", width, height, count, degrees, points,
-                    frames.front().stats.method.c_str());
+        std::printf("%d x %d, %d frames %.2f degrees apart, %d points, method %s\n", width, height, count,
+                    degrees, points, frames.front().stats.method.c_str());
         if (isMatch) {
             match(frames);
             continue;
         }
         for (const int quality : {View{}.quality.jpegQuality, 75, 60, 40}) {
-            const Cost jpeg = asJpeg(frames, quality), video = asVideo(frames, quantiserFor(quality));
-            std::printf("  quality %3d  JPEG %5.2f ms %7.0f bytes %5.2f dB %6.2f Mbit/s   H.264 %5.2f ms %7.0f bytes "
-                        "%5.2f dB %6.2f Mbit/s, key %.0f bytes: %.2f x smaller\n",
-                        quality, jpeg.ms, jpeg.bytes, jpeg.psnr, jpeg.rate(wanted), video.ms, video.bytes, video.psnr,
-                        video.rate(wanted), video.keyBytes, jpeg.bytes / video.bytes);
+            const Cost jpeg = asJpeg(frames, quality);
+            const Cost video = asVideo(frames, quantiserFor(quality));
+            std::printf(
+                "  quality %3d  JPEG %5.2f ms %7.0f bytes %5.2f dB %6.2f Mbit/s   H.264 %5.2f ms %7.0f bytes "
+                "%5.2f dB %6.2f Mbit/s, key %.0f bytes: %.2f x smaller\n",
+                quality, jpeg.ms, jpeg.bytes, jpeg.psnr, jpeg.rate(wanted), video.ms, video.bytes, video.psnr,
+                video.rate(wanted), video.keyBytes, jpeg.bytes / video.bytes);
         }
     }
 }

@@ -134,7 +134,10 @@ TEST_F(StreamTest, MovingFramesAreVideoForWhoAsksAndTheFinalStillIsTheSnapshotAl
     std::uint64_t seq = 0;
     int videos = 0;
     for (bool isFinal = false; videos < 3 || !isFinal;) {
-        if (isFinal || seq == 0) client.view(++seq, double(60 + seq));
+        if (isFinal || seq == 0) {
+            ++seq;
+            client.view(seq, double(60 + seq));
+        }
         const auto frame = client.frame();
         ASSERT_TRUE(frame);
         isFinal = frame->header.final && frame->header.seq == seq;

@@ -10,7 +10,7 @@
 //     stream->ack(frame->header);
 //     auto picture = client::decodeJpeg(frame->jpeg);
 //
-// Moving frames come as video, three times smaller, to who says in `Hello::codecs` that he reads it: frame_decoder.hpp.
+// Moving frames come as video, three times smaller, to who says in `Hello::codecs` that he reads it: decode.hpp.
 //
 // Server and Stream are synchronous: every call blocks until it is done, fails, or its deadline has passed.
 // LiveStream has a thread of its own, tells by callbacks, and connects again when the connection is lost.
@@ -23,7 +23,6 @@
 #include "client/cpp/camera_path.hpp"
 #include "client/cpp/credentials.hpp"
 #include "client/cpp/decode.hpp"
-#include "client/cpp/frame_decoder.hpp"
 #include "client/cpp/guest.hpp"
 #include "client/cpp/live_stream.hpp"
 #include "client/cpp/orbit_path.hpp"

@@ -1,5 +1,5 @@
 #include "client/cpp/program/command.hpp"
-#include "client/cpp/frame_decoder.hpp"
+#include "client/cpp/decode.hpp"
 #include "client/cpp/guest.hpp"
 #include "client/cpp/program/say.hpp"
 

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "client/cpp/frame_decoder.hpp"
+#include "client/cpp/decode.hpp"
 #include "client/cpp/live_stream.hpp"
 #include "client/cpp/program/command.hpp"
 #include "client/cpp/program/say.hpp"

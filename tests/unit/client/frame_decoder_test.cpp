@@ -1,4 +1,4 @@
-#include "client/cpp/frame_decoder.hpp"
+#include "client/cpp/decode.hpp"
 
 #include <gtest/gtest.h>
 

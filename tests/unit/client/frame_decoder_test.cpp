@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/cpp/stream.hpp"
 #include "tests/unit/video/moving_picture.hpp"
 #include "video/openh264.hpp"
 #include "video/video_encoder.hpp"

@@ -21,9 +21,12 @@ using SampleWords = std::uint32_t[4];
 
 /// order << 32 | payload (pass.hpp). Orders are positive floats, so signed comparison sorts keys.
 using Key = std::int64_t;
-inline constexpr Key emptyKey = 0x7fffffffffffffff;
 /// Bits of +infinity; an order at or above it means "no splat here".
 inline constexpr std::int32_t infiniteOrder = 0x7f800000;
+/// Such an order; not a number, so that no comparison of depths holds. Keys with it are numbers if taken for doubles, as all
+/// keys are: these sort in the same order, and processors have an instruction for the smaller of two.
+inline constexpr std::int32_t emptyOrder = 0x7fbfffff;
+inline constexpr Key emptyKey = Key{emptyOrder} << 32 | 0xffffffff;
 
 using Shape = SplatShape;
 using Coloring = SplatColoring;

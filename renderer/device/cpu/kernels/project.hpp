@@ -32,6 +32,8 @@ inline void transposeSamples(const SplatRun& run, std::uint32_t first, Block& b)
     const SampleWords* const samples = run.samples + first;
     const auto sample = [samples](int i) { return load<Ints4>(samples + i); };
     for (int i = 0; i < whole; i += 4) {
+        // A line of the cache at a time, of the block after this one.
+        __builtin_prefetch(samples + blockSize + i);
         const Ints4 s0 = sample(i), s1 = sample(i + 1), s2 = sample(i + 2), s3 = sample(i + 3);
         const Ints4 low01 = __builtin_shufflevector(s0, s1, 0, 4, 1, 5);
         const Ints4 low23 = __builtin_shufflevector(s2, s3, 0, 4, 1, 5);
@@ -54,9 +56,10 @@ inline void setRatios(const SplatPass& pass, const SplatRun& run, Block& b) {
         for (int i = 0; i < b.padded; ++i) b.ratio[i] = 1.0f;
         return;
     }
-    for (int i = 0; i < b.padded; ++i) {
-        const float radius = pass.radii[(b.words[3][i] >> 16) & 255];
-        b.ratio[i] = radius > 0.0f ? radius * run.ratioUnit : 1.0f;
+    for (int i = 0; i < b.padded; ++i) b.ratio[i] = pass.radii[(b.words[3][i] >> 16) & 255];
+    for (int i = 0; i < b.padded; i += wideLanes) {
+        const FloatW radius = load<FloatW>(b.ratio + i);
+        store(b.ratio + i, radius > 0.0f ? radius * run.ratioUnit : all(1.0f));
     }
 }
 

@@ -62,8 +62,8 @@ void sumCircle(const Block& b, int i, float farthest, const Addends<lanes>& adde
 
 template <int lanes, bool normals>
 bool sumBlock(const SplatPass& pass, bool oriented, const Block& b, const KeyTile& tile) {
-    Splats splats;
-    collectSplats(b, tile, splats);
+    std::int32_t reaches[blockSize];
+    for (int i = 0; i < b.padded; i += wideLanes) store(reaches + i, reachesTile(b, i, tile));
     ViewNormals view;
     std::uint32_t surfaces[blockSize];
     if constexpr (normals) {
@@ -72,7 +72,7 @@ bool sumBlock(const SplatPass& pass, bool oriented, const Block& b, const KeyTil
     }
     Int<lanes> full{};
     for (int i = 0; i < b.count; ++i) {
-        if (splats.reaches[i] == 0) continue;
+        if (reaches[i] == 0) continue;
         float radius = b.half[i] * pass.radiusPerPixel;
         if (pass.perspective) radius *= b.depth[i];
         Addends<lanes> addends(b.color[i]);

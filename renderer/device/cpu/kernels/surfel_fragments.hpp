@@ -148,7 +148,7 @@ class SurfelFragments {
                 order = depthOf(c);
             }
             const F positive = order > 1.17549435e-38f ? order : F{} + 1.17549435e-38f;
-            const I bits = covered ? reinterpret_cast<I>(positive) : I{} + 0x7fffffff;
+            const I bits = covered ? reinterpret_cast<I>(positive) : I{} + emptyOrder;
             storeNearest(tile_.keys + offset, bits, below);
         }
     }

@@ -39,10 +39,28 @@ inline void store(void* place, Vector v) {
     __builtin_memcpy(place, &v, sizeof v);
 }
 
+/// The smaller of two keys, lane by lane. As doubles (emptyOrder), of which old processors can compare two at once.
+inline Keys2 nearer(Keys2 a, Keys2 b) {
+    typedef double Doubles __attribute__((vector_size(16)));
+    return reinterpret_cast<Keys2>(
+        __builtin_ia32_minpd(reinterpret_cast<Doubles>(a), reinterpret_cast<Doubles>(b)));
+}
+#if SCANCAST_SIMD_LEVEL >= 3
+inline Keys4 nearer(Keys4 a, Keys4 b) {
+    typedef double Doubles __attribute__((vector_size(32)));
+    return reinterpret_cast<Keys4>(
+        __builtin_ia32_minpd256(reinterpret_cast<Doubles>(a), reinterpret_cast<Doubles>(b)));
+}
+#endif
+#if SCANCAST_SIMD_LEVEL >= 4
+inline Keys8 nearer(Keys8 a, Keys8 b) {
+    return a < b ? a : b;
+}
+#endif
+
 template <class Keys>
 inline void keepNearest(Key* place, Keys candidate) {
-    const Keys now = load<Keys>(place);
-    store<Keys>(place, candidate < now ? candidate : now);
+    store<Keys>(place, nearer(candidate, load<Keys>(place)));
 }
 
 /// Keeps, lane by lane, the smaller of the keys at `place` and (order << 32 | payload).
@@ -123,8 +141,12 @@ inline FloatW larger(FloatW a, FloatW b) {
     return a > b ? a : b;
 }
 inline FloatW floorOf(FloatW v) {
-    const FloatW whole = toFloat(toInt(v));
-    return whole > v ? whole - 1.0f : whole;
+    constexpr int downwards = 1, quietly = 8;
+#if SCANCAST_SIMD_LEVEL >= 3
+    return __builtin_ia32_roundps256(v, downwards | quietly);
+#else
+    return __builtin_ia32_roundps(v, downwards | quietly);
+#endif
 }
 
 /// order << 32 | payload, lane by lane, to an array.

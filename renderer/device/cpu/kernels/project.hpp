@@ -16,7 +16,8 @@ inline constexpr int tailStep = 16;
 /// Aligned as a whole: an alignment on an array's elements keeps the compiler from vectorising.
 struct alignas(64) Block {
     std::uint32_t words[4][blockSize];
-    float x[blockSize], y[blockSize];  ///< px in the whole picture
+    float across[blockSize], down[blockSize];  ///< px from the view axis
+    float x[blockSize], y[blockSize];          ///< px in the whole picture, once placeBlock() has been asked
     float depth[blockSize];
     float ratio[blockSize];            ///< of the sample's radius to the run's plain one
     float half[blockSize];             ///< half the splat's size, px
@@ -83,11 +84,10 @@ inline FloatW sizeOfSprites(const SplatPass& pass, const SplatRun& run, FloatW r
     return smaller(larger(wanted, all(pass.minPx)), all(pass.maxPx));
 }
 
-/// Places, depths and sizes. What is not drawable keeps finite numbers, so that nothing later needs care.
-template <bool perspective>
-void place(const SplatPass& pass, const SplatRun& run, Block& b) {
-    // Far outside any picture, and still exact as an integer.
-    const FloatW outside = all(1048576.0f);
+/// Depths, and places and sizes as seen from the view axis. What is not drawable keeps finite depths, so that nothing later
+/// needs care.
+template <bool perspective, bool sized>
+void project(const SplatPass& pass, const SplatRun& run, Block& b) {
     const IntW count = all(b.count);
     IntW number = toInt(laneNumbers<wideLanes>());
     for (int i = 0; i < b.padded; i += wideLanes, number += wideLanes) {
@@ -95,14 +95,23 @@ void place(const SplatPass& pass, const SplatRun& run, Block& b) {
         const IntW seen = (c.depth >= pass.near) & (c.depth <= pass.far) & (number < count);
         const FloatW d = seen ? c.depth : all(1.0f);
         const FloatW inverse = perspective ? 1.0f / d : all(1.0f);
-        const FloatW x = pass.centerX + c.across * inverse;
-        const FloatW y = pass.centerY + c.down * inverse;
-        const FloatW size = sizeOfSprites(pass, run, load<FloatW>(b.ratio + i), inverse);
+        store(b.across + i, c.across * inverse);
+        store(b.down + i, c.down * inverse);
+        store(b.depth + i, d);
+        if constexpr (sized)
+            store(b.half + i, 0.5f * sizeOfSprites(pass, run, load<FloatW>(b.ratio + i), inverse));
+        store(b.drawable + i, seen);
+    }
+}
+
+/// Where the samples lie in a picture whose view axis lies there.
+inline void placeBlock(float centerX, float centerY, Block& b) {
+    // Far outside any picture, and still exact as an integer.
+    const FloatW outside = all(1048576.0f);
+    for (int i = 0; i < b.padded; i += wideLanes) {
+        const FloatW x = centerX + load<FloatW>(b.across + i), y = centerY + load<FloatW>(b.down + i);
         store(b.x + i, smaller(larger(x, -outside), outside));
         store(b.y + i, smaller(larger(y, -outside), outside));
-        store(b.depth + i, d);
-        store(b.half + i, 0.5f * size);
-        store(b.drawable + i, seen);
     }
 }
 
@@ -260,16 +269,18 @@ inline void brighten(const SplatPass& pass, Block& b) {
     for (int i = 0; i < b.padded; ++i) b.color[i] = brightened(pass, b.color[i], b.words[1][i]);
 }
 
-inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
+/// Everything but places in the picture. `sized`: ratios and sizes, too.
+template <bool sized>
+void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
     const std::uint32_t left = run.count - first;
     b.count = left < blockSize ? static_cast<int>(left) : blockSize;
     b.padded = (b.count + tailStep - 1) & ~(tailStep - 1);
     transposeSamples(run, first, b);
-    setRatios(pass, run, b);
+    if (sized) setRatios(pass, run, b);
     if (pass.perspective) {
-        place<true>(pass, run, b);
+        project<true, sized>(pass, run, b);
     } else {
-        place<false>(pass, run, b);
+        project<false, sized>(pass, run, b);
     }
     if (pass.classes != nullptr) filterByClass(pass, b);
     if (!pass.outliers) filterOutliers(b);

@@ -145,11 +145,10 @@ void splatLarge(const Block& b, const Splats& s, const KeyTile& tile) {
     }
 }
 
+/// `splats`: with their shapes.
 template <Shape shape>
-void splatBlock(const SplatPass& pass, const Block& block, const KeyTile& tile) {
-    Splats splats;
+void splatBlock(const SplatPass& pass, const Block& block, Splats& splats, const KeyTile& tile) {
     collectSplats(block, tile, splats);
-    shapeSplats<shape>(pass, block, splats);
     if (pass.payload == SplatPayload::Color) {
         splatSmall<shape, true>(block, splats, tile);
     } else {
@@ -172,19 +171,40 @@ bool leftOut(const SplatPass& pass, const SplatRun& run, std::uint32_t first, in
     return hidden(tile, box[0], box[1], box[2], box[3], order);
 }
 
+/// Blocks are read, filtered, coloured and projected once for all frames.
 template <Shape shape>
-void splatSprites(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {
+void splatSprites(const SplatPass& pass, const SplatRun& run, const FrameTile* frames, int count) {
+    const bool pixels = run.largestPx <= 1.0f;
+    const bool mayBeLeftOut = !pixels || run.crossesTile;
+    SplatPass passes[mostFrames];
+    for (int f = 0; f < count; ++f) {
+        passes[f] = pass;
+        passes[f].centerX = frames[f].centerX;
+        passes[f].centerY = frames[f].centerY;
+    }
     Block block;
+    Splats splats;
     for (std::uint32_t first = 0; first < run.count; first += blockSize) {
         const std::uint32_t left = run.count - first;
-        const int count = left < blockSize ? static_cast<int>(left) : blockSize;
-        if ((run.largestPx > 1.0f || run.crossesTile) && leftOut(pass, run, first, count, tile)) continue;
-        loadBlock(pass, run, first, block);
-        if (pass.payload == SplatPayload::Surface) setSurfaces(pass, run.oriented, block);
-        if (run.largestPx <= 1.0f) {
-            splatPixels(pass, block, tile);
-        } else {
-            splatBlock<shape>(pass, block, tile);
+        const int samples = left < blockSize ? static_cast<int>(left) : blockSize;
+        bool loaded = false;
+        for (int f = 0; f < count; ++f) {
+            const KeyTile& tile = frames[f].tile;
+            if (mayBeLeftOut && leftOut(passes[f], run, first, samples, tile)) continue;
+            if (!loaded && pixels) {
+                loadBlock<false>(pass, run, first, block);
+            } else if (!loaded) {
+                loadBlock<true>(pass, run, first, block);
+                shapeSplats<shape>(pass, block, splats);
+            }
+            loaded = true;
+            placeBlock(passes[f].centerX, passes[f].centerY, block);
+            if (pass.payload == SplatPayload::Surface) setSurfaces(passes[f], run.oriented, block);
+            if (pixels) {
+                splatPixels(pass, block, tile);
+            } else {
+                splatBlock<shape>(pass, block, splats, tile);
+            }
         }
     }
 }

@@ -117,7 +117,8 @@ std::uint32_t sumCircles(const SplatPass& pass, const SplatRun& run, const KeyTi
         const std::uint32_t left = run.count - first;
         const int count = left < blockSize ? static_cast<int>(left) : blockSize;
         if (sumLeftOut(pass, run, first, count, tile)) continue;
-        loadBlock(pass, run, first, block);
+        loadBlock<true>(pass, run, first, block);
+        placeBlock(pass.centerX, pass.centerY, block);
         const bool full = pass.sumNormals ? sumBlock<true>(pass, run, block, tile)
                                           : sumBlock<false>(pass, run, block, tile);
         if (full) return first + static_cast<std::uint32_t>(count);

@@ -23,7 +23,7 @@ struct alignas(64) Splats {
     /// Of each vector of splats: the pixels that its largest small one covers at most, on each side; 0: there is none.
     std::int32_t sides[blockSize / wideLanes];
     std::uint16_t list[sizeClasses][blockSize];
-    int count[sizeClasses] = {};
+    int count[sizeClasses];
 };
 
 template <Shape shape>
@@ -47,6 +47,7 @@ inline IntW reachesTile(const Block& b, int i, const KeyTile& tile) {
 }
 
 inline void collectSplats(const Block& b, const KeyTile& tile, Splats& s) {
+    for (int& count : s.count) count = 0;
     for (int i = 0, group = 0; i < b.padded; i += wideLanes, ++group) {
         const FloatW half = load<FloatW>(b.half + i);
         const IntW reaches = reachesTile(b, i, tile);

@@ -208,7 +208,8 @@ std::uint32_t drawSurfels(const SplatPass& pass, const SplatRun& run, const KeyT
         const int count = left < surfelBlock ? static_cast<int>(left) : surfelBlock;
         if (surfelsLeftOut(pass, run, first, count, tile)) continue;
         part.count = first + static_cast<std::uint32_t>(count);
-        loadBlock(pass, part, first, block);
+        loadBlock<true>(pass, part, first, block);
+        placeBlock(pass.centerX, pass.centerY, block);
         if constexpr (shape == Shape::Disc) {
             setUpDiscs<perspective>(pass, run, block, surfels);
         } else {
@@ -239,6 +240,10 @@ std::uint32_t drawSurfels(const SplatPass& pass, const SplatRun& run, const KeyT
     return pass.payload == SplatPayload::Color
                ? drawSurfels<shape, Reduction::Nearest, true>(pass, run, tile)
                : drawSurfels<shape, Reduction::Nearest, false>(pass, run, tile);
+}
+
+inline bool isSurfel(Shape shape) {
+    return shape == Shape::Disc || shape == Shape::Ellipse;
 }
 
 std::uint32_t splatSurfels(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {

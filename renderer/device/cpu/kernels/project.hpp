@@ -25,17 +25,30 @@ struct alignas(64) Block {
     std::uint32_t color[blockSize];    ///< or, where keys carry them, ordinals
     int count = 0;                     ///< samples
     int padded = 0;  ///< count up to a multiple of tailStep; the samples beyond are not drawable
+    /// Which sample stands where: numberIn(). Neighbours of a run lie beside each other in the picture, too, and a processor waits
+    /// where it reads what a store before has written in part; spread out, a vector's samples are far from each other.
+    bool spread = false;
 };
+
+/// How far a vector's samples lie from each other in a spread block.
+inline constexpr int spreadStep = blockSize / 8;
+
+/// The number in the block, counted in the run's order, of what stands at a place of its arrays.
+inline int numberIn(const Block& b, int at) {
+    return b.spread ? ((at & 3) * 2 + ((at >> 2) & 1)) * spreadStep + (at >> 3) : at;
+}
 
 /// Four samples at a time: rows of words → columns.
 inline void transposeSamples(const SplatRun& run, std::uint32_t first, Block& b) {
     const int whole = b.count & ~3;
     const SampleWords* const samples = run.samples + first;
+    const int step = b.spread ? 2 * spreadStep : 1;
     const auto sample = [samples](int i) { return load<Ints4>(samples + i); };
     for (int i = 0; i < whole; i += 4) {
         // A line of the cache at a time, of the block after this one.
         __builtin_prefetch(samples + blockSize + i);
-        const Ints4 s0 = sample(i), s1 = sample(i + 1), s2 = sample(i + 2), s3 = sample(i + 3);
+        const int at = numberIn(b, i);
+        const Ints4 s0 = sample(at), s1 = sample(at + step), s2 = sample(at + 2 * step), s3 = sample(at + 3 * step);
         const Ints4 low01 = __builtin_shufflevector(s0, s1, 0, 4, 1, 5);
         const Ints4 low23 = __builtin_shufflevector(s2, s3, 0, 4, 1, 5);
         const Ints4 high01 = __builtin_shufflevector(s0, s1, 2, 6, 3, 7);
@@ -167,7 +180,7 @@ inline void filterByRegions(const SplatRun& run, Block& b) {
 inline void filterByTurn(const SplatRun& run, std::uint32_t first, Block& b) {
     const std::uint32_t base = (run.firstOrdinal + first) * run.turnStep + run.turnBase;
     for (int i = 0; i < b.padded; ++i) {
-        const std::uint32_t turn = base + static_cast<std::uint32_t>(i) * run.turnStep;
+        const std::uint32_t turn = base + static_cast<std::uint32_t>(numberIn(b, i)) * run.turnStep;
         b.drawable[i] &= turn <= run.lastTurn ? -1 : 0;
     }
 }
@@ -217,6 +230,9 @@ inline float curvatureIndex(const SplatPass& pass, const SplatRun& run, std::uin
 /// The block's first sample is the run's `first`.
 inline void colorize(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
     const auto* const words = b.words;
+    const auto beside = [&](int i) {
+        return besideAt(run, first + static_cast<std::uint32_t>(numberIn(b, i)));
+    };
     switch (pass.coloring) {
         case Coloring::Rgb:
             for (int i = 0; i < b.padded; ++i) b.color[i] = words[2][i] & 0xffffff;
@@ -252,15 +268,11 @@ inline void colorize(const SplatPass& pass, const SplatRun& run, std::uint32_t f
             return;
         case Coloring::Curvature:
             for (int i = 0; i < b.count; ++i)
-                b.color[i] = tableEntry(
-                    pass.ramp,
-                    curvatureIndex(pass, run, besideAt(run, first + static_cast<std::uint32_t>(i))));
+                b.color[i] = tableEntry(pass.ramp, curvatureIndex(pass, run, beside(i)));
             return;
         case Coloring::Infrared:
             for (int i = 0; i < b.count; ++i)
-                b.color[i] =
-                    toned(pass.ramp,
-                          infraredRgb(words[2][i], besideAt(run, first + static_cast<std::uint32_t>(i))));
+                b.color[i] = toned(pass.ramp, infraredRgb(words[2][i], beside(i)));
             return;
     }
 }
@@ -269,12 +281,13 @@ inline void brighten(const SplatPass& pass, Block& b) {
     for (int i = 0; i < b.padded; ++i) b.color[i] = brightened(pass, b.color[i], b.words[1][i]);
 }
 
-/// Everything but places in the picture. `sized`: ratios and sizes, too.
+/// Everything but places in the picture. `sized`: ratios and sizes, too, of samples that are spread if the block is full.
 template <bool sized>
 void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
     const std::uint32_t left = run.count - first;
     b.count = left < blockSize ? static_cast<int>(left) : blockSize;
     b.padded = (b.count + tailStep - 1) & ~(tailStep - 1);
+    b.spread = sized && b.count == blockSize;
     transposeSamples(run, first, b);
     if (sized) setRatios(pass, run, b);
     if (pass.perspective) {
@@ -289,7 +302,7 @@ void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t first, 
     if (run.lastTurn != 0xffffffffu) filterByTurn(run, first, b);
     if (pass.payload == SplatPayload::Sample) {
         for (int i = 0; i < b.padded; ++i)
-            b.color[i] = run.firstOrdinal + first + static_cast<std::uint32_t>(i);
+            b.color[i] = run.firstOrdinal + first + static_cast<std::uint32_t>(numberIn(b, i));
     } else if (pass.payload == SplatPayload::Color) {
         colorize(pass, run, first, b);
         if (pass.byIntensity) brighten(pass, b);

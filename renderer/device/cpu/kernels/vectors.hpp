@@ -63,7 +63,8 @@ inline void keepNearest(Key* place, Keys candidate) {
     store<Keys>(place, nearer(candidate, load<Keys>(place)));
 }
 
-/// Keeps, lane by lane, the smaller of the keys at `place` and (order << 32 | payload).
+/// Keeps, lane by lane, the smaller of the keys at `place` and (order << 32 | payload); the second half of the lanes has its keys
+/// at `second`, if it says so.
 inline void storeNearest(Key* place, Ints4 order, Ints4 payload) {
 #if SCANCAST_SIMD_LEVEL >= 3
     keepNearest(place,
@@ -75,15 +76,19 @@ inline void storeNearest(Key* place, Ints4 order, Ints4 payload) {
 }
 
 #if SCANCAST_SIMD_LEVEL >= 3
+inline void storeNearest(Key* place, Key* second, Ints8 order, Ints8 payload) {
+    keepNearest(place,
+                reinterpret_cast<Keys4>(__builtin_shufflevector(payload, order, 0, 8, 1, 9, 2, 10, 3, 11)));
+    keepNearest(second,
+                reinterpret_cast<Keys4>(__builtin_shufflevector(payload, order, 4, 12, 5, 13, 6, 14, 7, 15)));
+}
+
 inline void storeNearest(Key* place, Ints8 order, Ints8 payload) {
 #if SCANCAST_SIMD_LEVEL >= 4
     keepNearest(place, reinterpret_cast<Keys8>(__builtin_shufflevector(payload, order, 0, 8, 1, 9, 2, 10, 3,
                                                                        11, 4, 12, 5, 13, 6, 14, 7, 15)));
 #else
-    keepNearest(place,
-                reinterpret_cast<Keys4>(__builtin_shufflevector(payload, order, 0, 8, 1, 9, 2, 10, 3, 11)));
-    keepNearest(place + 4,
-                reinterpret_cast<Keys4>(__builtin_shufflevector(payload, order, 4, 12, 5, 13, 6, 14, 7, 15)));
+    storeNearest(place, place + 4, order, payload);
 #endif
 }
 /// The widest row of float lanes that one register holds.
@@ -169,8 +174,8 @@ inline void storeKeys(Key* place, IntW order, IntW payload) {
 #endif
 }
 
-inline void loadKeys(const Key* place, IntW& order, IntW& payload) {
-    const IntW first = load<IntW>(place), second = load<IntW>(place + wideLanes / 2);
+inline void loadKeys(const Key* place, const Key* next, IntW& order, IntW& payload) {
+    const IntW first = load<IntW>(place), second = load<IntW>(next);
 #if SCANCAST_SIMD_LEVEL >= 3
     payload = __builtin_shufflevector(first, second, 0, 2, 4, 6, 8, 10, 12, 14);
     order = __builtin_shufflevector(first, second, 1, 3, 5, 7, 9, 11, 13, 15);
@@ -178,6 +183,10 @@ inline void loadKeys(const Key* place, IntW& order, IntW& payload) {
     payload = __builtin_shufflevector(first, second, 0, 2, 4, 6);
     order = __builtin_shufflevector(first, second, 1, 3, 5, 7);
 #endif
+}
+
+inline void loadKeys(const Key* place, IntW& order, IntW& payload) {
+    loadKeys(place, place + wideLanes / 2, order, payload);
 }
 
 /// The first `count` lanes only; the others are 0.

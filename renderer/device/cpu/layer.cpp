@@ -358,8 +358,8 @@ int Layer::framesAtOnce(std::int64_t pixels) const {
     const bool sprites = splats_.size() == 1 && splats_.front().shape != SplatShape::Disc &&
                          splats_.front().shape != SplatShape::Ellipse;
     if (together_ != nullptr || !sprites || passes_.resolve.smooth) return 1;
-    return static_cast<int>(
-        std::clamp(mostPixelsAtOnce / std::max<std::int64_t>(1, pixels), std::int64_t{1}, std::int64_t{mostFrames}));
+    return static_cast<int>(std::clamp(mostPixelsAtOnce / std::max<std::int64_t>(1, pixels), std::int64_t{1},
+                                       std::int64_t{mostFrames}));
 }
 
 void Layer::draw(std::span<const glm::dvec2> jitters, std::span<const Planes> planes, FrameStats& stats) {

@@ -175,7 +175,8 @@ void Picture::accumulate(const Layer& layer, const std::uint32_t* rgba) {
 void Picture::drawAveraged(Layer& layer, const Planes& out, FrameStats& stats) {
     const std::size_t pixels = pixelsOf(window_);
     buffers_.sums.assign(pixels * 4, 0);
-    const auto atOnce = static_cast<std::size_t>(layer.framesAtOnce(std::int64_t{area_.width()} * area_.height()));
+    const auto atOnce =
+        static_cast<std::size_t>(layer.framesAtOnce(std::int64_t{area_.width()} * area_.height()));
     std::array<Planes, mostFrames> outs, planes;
     for (std::size_t first = 0; first < drawing_.jitter.size(); first += atOnce) {
         const auto jitters = drawing_.jitter.subspan(first, std::min(atOnce, drawing_.jitter.size() - first));

@@ -48,7 +48,8 @@ inline void transposeSamples(const SplatRun& run, std::uint32_t first, Block& b)
         // A line of the cache at a time, of the block after this one.
         __builtin_prefetch(samples + blockSize + i);
         const int at = numberIn(b, i);
-        const Ints4 s0 = sample(at), s1 = sample(at + step), s2 = sample(at + 2 * step), s3 = sample(at + 3 * step);
+        const Ints4 s0 = sample(at), s1 = sample(at + step), s2 = sample(at + 2 * step),
+                    s3 = sample(at + 3 * step);
         const Ints4 low01 = __builtin_shufflevector(s0, s1, 0, 4, 1, 5);
         const Ints4 low23 = __builtin_shufflevector(s2, s3, 0, 4, 1, 5);
         const Ints4 high01 = __builtin_shufflevector(s0, s1, 2, 6, 3, 7);

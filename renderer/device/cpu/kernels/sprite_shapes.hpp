@@ -61,7 +61,8 @@ inline void collectSplats(const Block& b, const KeyTile& tile, Splats& s) {
         for (int lane = 0; lane < wideLanes; ++lane) {
             if (rest[lane] == 0) continue;
             int sizeClass = 0;
-            for (const int rows : rowsOfClass) sizeClass += half[lane] > 0.5f * static_cast<float>(rows) ? 1 : 0;
+            for (const int rows : rowsOfClass)
+                sizeClass += half[lane] > 0.5f * static_cast<float>(rows) ? 1 : 0;
             s.list[sizeClass][s.count[sizeClass]++] = static_cast<std::uint16_t>(i + lane);
         }
     }

@@ -100,8 +100,8 @@ inline Int<lanes> loadSums(const std::int32_t* place, [[maybe_unused]] std::int6
 #if SCANCAST_SIMD_LEVEL >= 3
     if constexpr (lanes == 8) {
         if (second != sameRow<lanes>)
-            return __builtin_shufflevector(load<Ints4>(place), load<Ints4>(place + second), 0, 1, 2, 3, 4, 5, 6,
-                                           7);
+            return __builtin_shufflevector(load<Ints4>(place), load<Ints4>(place + second), 0, 1, 2, 3, 4, 5,
+                                           6, 7);
     }
 #endif
     return load<Int<lanes>>(place);

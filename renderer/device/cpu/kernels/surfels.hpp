@@ -52,7 +52,8 @@ struct SurfelPainter {
         for (std::int32_t column = x0; column <= x1; column += f.columns) {
             f.startColumns(column, x1, y1);
             std::int64_t offset = offsetOf(column, y0);
-            for (std::int32_t row = y0; row <= y1; row += rows, offset += rows * tile.stride) f.draw(offset, row);
+            for (std::int32_t row = y0; row <= y1; row += rows, offset += rows * tile.stride)
+                f.draw(offset, row);
         }
         return f.full();
     }

@@ -12,8 +12,8 @@
 #include "renderer/device/cpu/kernels/screen.hpp"
 #include "renderer/device/cpu/kernels/shade.hpp"
 #include "renderer/device/cpu/kernels/smooth.hpp"
-#include "renderer/device/cpu/kernels/splat.hpp"
-#include "renderer/device/cpu/kernels/splat_sums.hpp"
+#include "renderer/device/cpu/kernels/sprites/nearest.hpp"
+#include "renderer/device/cpu/kernels/sprites/sums.hpp"
 #include "renderer/device/cpu/kernels/surfels.hpp"
 
 #if SCANCAST_SIMD_LEVEL == 4

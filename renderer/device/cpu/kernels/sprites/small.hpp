@@ -3,7 +3,7 @@
 // vector. Nothing is clipped: what hangs over the tile's border falls into its guard band. Part of kernels.cpp.
 #pragma once
 
-#include "renderer/device/cpu/kernels/sprite_shapes.hpp"
+#include "renderer/device/cpu/kernels/sprites/shapes.hpp"
 
 namespace scancast::cpu {
 namespace {

@@ -1,6 +1,6 @@
 // Second half of a splat pass: placed samples → keys. Four ways, chosen by a splat's size:
 //   up to 1 px      one key a sample, computed for a whole block, then stored one by one (whole runs only);
-//   up to 4 px      a vector of splats at a time (small_sprites.hpp);
+//   up to 4 px      a vector of splats at a time (small.hpp);
 //   up to guardPx   rows of keys at once, so many for each of a few classes of size, no clipping: what hangs over the tile's
 //                   border falls into its guard band;
 //   larger          row by row, chunk by chunk, clipped to the tile.
@@ -10,7 +10,7 @@
 #include "renderer/device/cpu/kernels/bounds.hpp"
 #include "renderer/device/cpu/kernels/project.hpp"
 #include "renderer/device/cpu/kernels/screen.hpp"
-#include "renderer/device/cpu/kernels/small_sprites.hpp"
+#include "renderer/device/cpu/kernels/sprites/small.hpp"
 #include "renderer/device/cpu/kernels/surfaces.hpp"
 
 namespace scancast::cpu {

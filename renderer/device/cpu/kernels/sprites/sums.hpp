@@ -3,7 +3,7 @@
 
 #include "renderer/device/cpu/kernels/bounds.hpp"
 #include "renderer/device/cpu/kernels/project.hpp"
-#include "renderer/device/cpu/kernels/splat.hpp"
+#include "renderer/device/cpu/kernels/sprites/nearest.hpp"
 #include "renderer/device/cpu/kernels/sums.hpp"
 #include "renderer/device/cpu/kernels/surfaces.hpp"
 #include "renderer/device/cpu/kernels/view_normals.hpp"

@@ -69,14 +69,14 @@ class Bench:
             os.rename(name + ".part.las", name)
         return name
 
-    def town(self, points=None, surfels=True):
+    def town(self, points=None, surfels=True, piped=False):
         """A cloud file of the town; large ones go through a pipe, so that no scan lies on disk."""
         points = points or self.points
         name = self.path(f"town-{words.short(points)}{'' if surfels else '-plain'}.scan")
         if os.path.exists(name):
             return name
         flags = [] if surfels else ["--no-surfels"]
-        if points <= self.points:
+        if points <= self.points and not piped:
             run([self.scancast, "ingest", self.town_las(points), "-o", name, "--quiet", "--force", *flags])
         else:
             command = [self.scancast, "generate", "town", "--points", str(points), "--format", "las14", "-o", "-", "--quiet"]

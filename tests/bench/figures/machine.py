@@ -65,15 +65,28 @@ def compiler(build):
 
 def libraries(scancast):
     """Versions of the shared libraries that the program uses, by their packages where those are known, else by their files' names."""
-    found = {}
+    files = {}
     for name, path in re.findall(r"lib([\w+]+?)(?:-[\d.]+)?\.so[.\d]* => (\S+)", said("ldd", scancast)):
         if name in LIBRARIES:
-            real = os.path.realpath(path)
-            package = said("dpkg-query", "-S", real) or said("dpkg-query", "-S", path) or said("dpkg-query", "-S", path.replace("/lib/", "/usr/lib/", 1))
-            package = package.split(": ")[0].split(",")[0]
-            version = said("dpkg-query", "-W", "-f", "${source:Upstream-Version}", package) if package else ""
-            found[name] = version or re.sub(r".*\.so\.?", "", real) or "?"
-    return found
+            files[name] = os.path.realpath(path)
+    owners = owners_of(list(files.values()))
+    versions = dict(line.split("\t") for line in said("dpkg-query", "-W", "-f", "${binary:Package}\\t${source:Upstream-Version}\\n", *set(owners.values())).splitlines()) \
+        if owners else {}
+    return {name: versions.get(owners.get(path)) or re.sub(r".*\.so\.?", "", path) or "?" for name, path in files.items()}
+
+
+def owners_of(paths):
+    """{path: Debian package}. Files beneath /usr/lib are known as /lib where packages are from before both became one."""
+    names = [name for path in paths for name in (path, path.removeprefix("/usr"))]
+    try:
+        text = subprocess.run(["dpkg-query", "-S", *names], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, timeout=60, check=False).stdout
+    except (OSError, subprocess.SubprocessError):
+        return {}
+    found = {}
+    for line in text.splitlines():
+        package, _, path = line.rpartition(": ")
+        found[path] = package.split(", ")[0]
+    return {path: found.get(path) or found[path.removeprefix("/usr")] for path in paths if path in found or path.removeprefix("/usr") in found}
 
 
 def commit(root=ROOT):

@@ -2,7 +2,7 @@
 import os
 import time
 
-from .. import gate
+from .. import gate, machine
 from ..bench import camera, run, stage, without
 from ..words import number, table
 
@@ -73,12 +73,16 @@ def measure_before(bench):
     out = bench.path("gate.scan")
     for name, flags in (("with surfels", []), ("without", ["--no-surfels"])):
         compare(f"`ingest` {name}", "s", lambda program, f=flags: lambda: time_of(bench, [program, "ingest", bench.town_las(), "-o", out, "--force", "--quiet", *f]))
-    return {"before": " ".join([version_of(old), bench.given.before_name]).strip(), "points": bench.points, "limit": bench.given.limit, "size": bench.size,
+    return {"before": name_of(bench), "points": bench.points, "limit": bench.given.limit, "size": bench.size,
             "rows": [vars(row) for row in rows]}
 
 
-def version_of(program):
-    return run([program, "--version"]).strip()
+def name_of(bench):
+    """What it says of itself, and its commit, where it lies in a clone of its own."""
+    folder, name = os.path.dirname(bench.given.before), bench.given.before_name
+    if not name and machine.said("git", "-C", folder, "rev-parse", "--show-toplevel") not in ("", machine.ROOT):
+        name = f"`{machine.commit(folder)['hash']}`"
+    return f"{run([bench.given.before, '--version']).strip()} {name}".strip()
 
 
 def slower(data):

@@ -37,7 +37,7 @@ def measure_points(bench):
             said.append(f"{power(points)} points: {lacking}.")
             continue
         begun = time.monotonic()
-        cloud = bench.town(points, surfels=False)
+        cloud = bench.town(points, surfels=False, piped=True)
         ingest.append([points, time.monotonic() - begun, os.path.getsize(cloud)])
         for method in bench.methods(*WITHOUT_SURFELS):
             stats = bench.turn(cloud, method, frames=2 if bench.quick else 24, turns=2)
@@ -59,7 +59,7 @@ def points_page(data):
     return "\n\n".join([
         f"The town, {width} x {height}, from the view to pixels in memory, ms, medians of an orbit at each method's own τ; *every point*: `--brute-force`, without a "
         "hierarchy.", curves(data["lines"], power), "![time of a frame over the points of the town](PLOTS/points.svg)",
-        "Making these clouds, without surfels, the generator or a LAS file's reading beside it; and what they are on disk:",
+        "Making these clouds, `generate | ingest --no-surfels`, the generator beside it; and what they are on disk:",
         table(["points", "s", "", "bytes a point"], rows), *data["said"]])
 
 

@@ -35,12 +35,12 @@ def gpu_page(data):
     if compared := parts.get("compare"):
         lines.append(f"Of `compare_devices`' {len(compared)} pictures {sum(row['sameBytes'] for row in compared)} are the `cpu` device's, byte by byte.")
     rows = []
-    for part in parts.values():
-        for cloud in part.get("clouds", []) if isinstance(part, dict) else []:
+    for name, part in parts.items():
+        for cloud in part.get("clouds", []) if name != "device" and isinstance(part, dict) else []:
             for row in cloud["rows"]:
                 if "gpuMs" in row:
-                    name = row["method"] + (", brute force" if row.get("bruteForce") else "")
-                    rows.append([f"{cloud['points'] / 1e6:g} M points", f"`{name}`", f"{row['width']} x {row['height']}", row["samples"] / 1e6, row["gpuMs"],
+                    brute = ", brute force" if row.get("bruteForce") else ""
+                    rows.append([f"{cloud['points'] / 1e6:g} M points", f"`{row['method']}`{brute}", f"{row['width']} x {row['height']}", row["samples"] / 1e6, row["gpuMs"],
                                  row["hostMs"], row["frameMs"], row["jpegMs"]])
                 for mark in row.get("marks", []):
                     marks[mark["what"], row["method"], cloud["points"]] = mark

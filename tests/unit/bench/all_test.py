@@ -15,7 +15,7 @@ sys.path[:0] = [BENCH, os.path.join(ROOT, "tests", "structure")]
 import all as command  # noqa: E402
 import tree  # noqa: E402
 from figures import gate, machine, page, plot, registry, store, told, words  # noqa: E402
-from figures.sections import before, growth, once  # noqa: E402
+from figures.sections import before, growth, once, pictures  # noqa: E402
 
 BIN = None
 
@@ -225,6 +225,17 @@ class Words(unittest.TestCase):
             data = once.measure_tests(Bench)
         self.assertEqual(data["rows"], [["installation", 2, 1], ["release: build", 400, 748]])
         self.assertIn("| **all of them but installation** | 400 | 748 |", once.tests_page(data))
+
+    def test_what_programs_print_is_read(self):
+        line = "%-22s %-11s %-5s %-9s %-5s %3d %6.2f %6.2f  %6.2f %6.2f  %6.3f %6.3f  %6.2f %5.1f\n"  # bench_stability.cpp
+        text = "cloud                  method      tau   motion    dist    n   mean\n"
+        text += line % ("lion_takanawa.copc.laz", "square", "auto", "orbit", "0.5", 1, 3.95, 5, 0, 0, 0.01, 0.02, 1.5, 9)
+        text += line % ("s.ply", "paraboloid", "auto", "orbit", "0.5", 64, 10.5, 5, 0, 0, 0.01, 0.02, 1.5, 9)
+        self.assertEqual(pictures.moves_of(text), {("lion_takanawa.copc.laz", "square", 1): 3.95, ("s.ply", "paraboloid", 64): 10.5})
+        rows = pictures.truth_of("scene,method,psnr,ssim,holes_percent,turned,turned_brute_force,levels_worst,ms,passes\n"
+                                 "sign,ewa,23.01,0.9123,0.004,1.250,1.240,0.010,9.50,nearest 1.0; sum 2.0\n")
+        self.assertIn("| sign | 23.0, 0.00 % |", pictures.truth_page({"rows": rows}))
+        self.assertIn("| sign | 1.25 (0.01) |", pictures.truth_page({"rows": rows}))
 
     def test_tables_of_series_with_gaps(self):
         self.assertIn("| 2 | - | 4 |", growth.curves({"point": [[1, 3]], "x": [[1, 5], [2, 4]]}))

@@ -43,8 +43,11 @@ def measure_points(bench):
             stats = bench.turn(cloud, method, frames=2 if bench.quick else 24, turns=2)
             lines.setdefault(method, []).append([points, without(stats, "encode")])
         if points * BRUTE_FORCE_BYTES < memory() * 0.6:
-            stats = bench.turn(cloud, "point", frames=2 if bench.quick else 5, flags=["--brute-force"])
-            lines.setdefault(every, []).append([points, without(stats, "encode")])
+            try:
+                stats = bench.turn(cloud, "point", frames=2 if bench.quick else 5, flags=["--brute-force"])
+                lines.setdefault(every, []).append([points, without(stats, "encode")])
+            except Failed as problem:
+                said.append(f"{power(points)} points without a hierarchy: {problem}.")
         else:
             said.append(f"{power(points)} points without a hierarchy do not fit into this machine's memory ({memory() / 1e9:.0f} GB).")
         os.remove(cloud)

@@ -14,7 +14,13 @@ SCENES = ["sign", "torus", "cube", "plane", "statue", "bridge", "town"]
 def measure_truth(bench):
     small = ["--scenes", "plane", "--points", "2000", "--width", "160", "--steps", "1", "--repeat", "1", "--methods", "point,ewa"] if bench.quick \
         else ["--scenes", ",".join(SCENES), "--methods", ",".join(METHODS), "--steps", "10", "--repeat", "3"]
-    return {"rows": list(csv.DictReader(io.StringIO(run([bench.tool("compare_methods"), "--csv", *small]))))}
+    return {"rows": truth_of(run([bench.tool("compare_methods"), "--csv", *small]))}
+
+
+def truth_of(text):
+    """Of compare_methods --csv, those columns that the page has."""
+    kept = ("scene", "method", "psnr", "ssim", "holes_percent", "turned", "levels_worst")
+    return [{key: row[key] for key in kept} for row in csv.DictReader(io.StringIO(text))]
 
 
 def truth_page(data):
@@ -33,9 +39,12 @@ MOVING = ["copc/lion_takanawa.copc.laz", "ply/guanyin-statue.ply", "laz/strand-s
 
 
 def moved(bench, scans, methods, samples, steps, *more):
-    """{(scan, method, samples): per cent}, of bench_stability's table."""
-    text = run([bench.tool("bench_stability"), *(word for scan in scans for word in ("--cloud", bench.data(scan))), "--method", methods, "--motion", "orbit",
-                "--no-brute-force", "--distance", "0.5", "--shading", "unlit", "--samples", samples, "--steps", str(steps), *more])
+    return moves_of(run([bench.tool("bench_stability"), *(word for scan in scans for word in ("--cloud", bench.data(scan))), "--method", methods, "--motion", "orbit",
+                "--no-brute-force", "--distance", "0.5", "--shading", "unlit", "--samples", samples, "--steps", str(steps), *more]))
+
+
+def moves_of(text):
+    """Its table: {(scan, method, samples): per cent of the pixels that change}."""
     rows = re.findall(r"(?m)^(\S+)\s+(\w+)\s+\S+\s+orbit\s+\S+\s+(\d+)\s+([\d.]+)\s", text)
     if not rows:
         raise Failed(f"bench_stability tells no row: {text[:200]}")

@@ -74,7 +74,14 @@ def parse(words):
 def about(given, build):
     scancast = os.path.join(given.bin, "scancast")
     return {"commit": machine.commit(), "machine": machine.machine(scancast), "compiler": machine.compiler(build), "libraries": machine.libraries(scancast),
-            "sizes": {"quick": given.quick, "points": given.points, "pointsUpTo": given.points_up_to}}
+            "quick": given.quick}
+
+
+def asked_with(given, section):
+    """What else a section's figures depend on; another answer measures it anew."""
+    if section.name == "before":
+        return {"points": given.points, "before": given.before, "changed": os.path.getmtime(given.before) if given.before and os.path.exists(given.before) else 0}
+    return {"points": given.points, **({"upTo": given.points_up_to} if section.name == "points" else {})}
 
 
 def listed(bench):
@@ -90,7 +97,7 @@ def wanted_of(given, bench, store):
     to_do, why = [], {}
     for section in given.sections:
         kept = store.get(section.name)
-        if kept and not given.again and not (section.name == "before" and kept.get("of") != given.before):
+        if kept and not given.again and kept.get("with") == asked_with(given, section):
             continue
         lacking = "not asked for: it takes long (`--only " + section.name + "`)" if section.asked and not given.only else section.missing(bench)
         if lacking:
@@ -124,7 +131,7 @@ def measured(to_do, bench, store, why):
             continue
         finally:
             spent, planned = spent + (time.monotonic() - begun) / 60, planned + section.minutes
-        store.put(section.name, {"date": machine.today(), "seconds": round(time.monotonic() - begun, 1), "of": bench.given.before, "data": data})
+        store.put(section.name, {"date": machine.today(), "seconds": round(time.monotonic() - begun, 1), "with": asked_with(bench.given, section), "data": data})
     return failed
 
 
@@ -197,8 +204,8 @@ def main(words=None):
             print(f"## {section.heading}\n\n{text[section.name]}\n")
     if given.out or not given.only:
         write(given, store, why)
-    kept = store.get("before")
-    worse = before.slower(kept["data"]) if kept and kept.get("of") == given.before and any(s.name == "before" for s in given.sections) else []
+    gate_section, kept = registry.named(["before"])[0], store.get("before")
+    worse = before.slower(kept["data"]) if gate_section in given.sections and kept and kept["with"] == asked_with(given, gate_section) else []
     if worse:
         print(f"all.py: more than {100 * (given.limit - 1):.0f} % slower than {given.before}: {', '.join(worse)}", file=sys.stderr)
     return 1 if worse else 3 if failed else 0

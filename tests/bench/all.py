@@ -86,10 +86,14 @@ def asked_with(given, section):
 
 def listed(bench):
     print(f"{'name':12} {'minutes':>7}  heading")
+    total = 0
     for section in registry.SECTIONS:
         print(f"{section.name:12} {section.minutes:7g}  {section.heading}{' (only where --only names it)' if section.asked else ''}")
         if lacking := section.missing(bench):
             print(f"{'':21} missing: {lacking}")
+        elif not section.asked:
+            total += section.minutes
+    print(f"\nAll that can be measured here: about {total} minutes on two cores. Needs nothing else to run meanwhile.")
 
 
 def wanted_of(given, bench, store):
@@ -100,6 +104,8 @@ def wanted_of(given, bench, store):
         if kept and not given.again and kept.get("with") == asked_with(given, section):
             continue
         lacking = "not asked for: it takes long (`--only " + section.name + "`)" if section.asked and not given.only else section.missing(bench)
+        if lacking and kept:
+            continue  # it was not missing then, and it is the same commit on the same machine
         if lacking:
             why[section.name] = lacking
         else:

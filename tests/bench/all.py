@@ -21,6 +21,7 @@ real scans (--data). Python 3 alone is enough for the rest.
 import argparse
 import os
 import shutil
+import signal
 import sys
 import time
 import traceback
@@ -66,6 +67,8 @@ def parse(words):
         parser.error("--limit: how many times as long is too long, such as 1.1")
     if given.quick and not given.out and not given.only:
         parser.error("--quick makes figures that mean nothing, and does not write docs/performance.md: say --out FILE or --only NAME,…")
+    if given.out and not os.path.isdir(os.path.dirname(os.path.abspath(given.out))):
+        parser.error(f"--out: there is no folder {os.path.dirname(os.path.abspath(given.out))}")
     given.bin, given.bench = os.path.abspath(given.bin), os.path.abspath(given.bench)
     given.before = os.path.abspath(given.before) if given.before else None
     return given
@@ -218,4 +221,5 @@ def main(words=None):
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: servers end, clouds are removed
     sys.exit(main())

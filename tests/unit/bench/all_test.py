@@ -253,7 +253,8 @@ class TheCommand(unittest.TestCase):
 
     def test_refuses(self):
         for given, why in ((["--only", "nothing"], "no figures are called nothing"), (["--points", "many"], "'many' is no number of points"),
-                           (["--quick"], "does not write docs/performance.md"), (["--limit", "0.5"], "--limit"), (["--bin", "/nowhere"], "there is no scancast in /nowhere")):
+                           (["--quick"], "does not write docs/performance.md"), (["--limit", "0.5"], "--limit"),
+                           (["--out", "/nowhere/page.md"], "there is no folder /nowhere"), (["--bin", "/nowhere"], "there is no scancast in /nowhere")):
             code, _, errors = self.run_it(*given)
             self.assertEqual(code, 2)
             self.assertIn(why, errors)

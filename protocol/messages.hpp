@@ -22,7 +22,8 @@ namespace scancast {
 inline constexpr std::string_view webSocketPath = "/api/v1/stream";
 inline constexpr std::string_view webSocketProtocol = "scancast.v1";
 inline constexpr std::size_t maxMessageBytes = 64 * 1024;  ///< of a client's message; the caller's to enforce
-inline constexpr int maxUnacknowledgedFrames = 2;
+/// That a server sends at most before the first of them is acknowledged, and only to who acknowledges so quickly that they are needed.
+inline constexpr int maxUnacknowledgedFrames = 16;
 /// Numbers that every client can hold, those whose numbers are doubles too.
 inline constexpr std::uint64_t maxFrameId = std::uint64_t(1) << 53;
 

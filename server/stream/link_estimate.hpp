@@ -28,9 +28,11 @@ class LinkEstimate {
 
     /// Bytes a second; nullopt = nothing has shown a limit yet.
     std::optional<double> bandwidth() const { return bandwidth_; }
-    /// Send nothing while a frame is on its way: it is long ago that one had the link to itself, and only
+    /// Send less than the link takes, until a frame has not waited for the one before: it is long ago that one did not, and only
     /// such a one tells latency from waiting.
     bool wantsQuiet(Time now) const;
+    /// Seconds for which that has been so.
+    double wantedQuiet(Time now) const;
     /// Seconds of a round trip that no smaller frame would save; 0 before the first acknowledgement.
     double latency() const;
 
@@ -43,7 +45,7 @@ class LinkEstimate {
         bool alone = false;
     };
 
-    void noteRoundTrip(double seconds, double overlap, Time now);
+    void noteRoundTrip(double seconds, double overlap, double onLine, Time now);
     void moveInto(double lower, double upper, double ceiling, double elapsed);
 
     std::deque<Flight> flights_;  // oldest first; as many as may be unacknowledged

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/messages.hpp"
+
 namespace scancast {
 namespace {
 
@@ -42,8 +44,8 @@ constexpr double steepestRise = 6;                          // of JPEG quality, 
 constexpr double chromaCosts = 10;
 // The estimate of the bandwidth errs towards too much, never towards a blur; this makes up for it.
 constexpr double shareOfLink = 0.7;
-// Where a round trip decides the rate anyway, this share of it may go into a sharper picture.
-constexpr double shareOfLatency = 1.0 / 8;
+// Where the round trip decides the rate anyway, because the window is at its end, frames may take their share of it.
+constexpr double shareOfLatency = 1.0 / maxUnacknowledgedFrames;
 constexpr double rivalsSmoothing = 0.2;
 
 }  // namespace
@@ -59,6 +61,9 @@ MovingQuality QualityController::choose(const View& wanted, double ownDetail, co
     quality.subsampling = wanted.quality.subsampling;
     if (link_.bandwidth() && bytesPerPixel_)
         fitBytes(quality, wanted, limits, *link_.bandwidth() * shareOfLink * frameSeconds(limits));
+    quality.byNetwork = quality.resolution < resolution_ ||
+                        quality.jpegQuality < wanted.quality.jpegQuality ||
+                        quality.subsampling != wanted.quality.subsampling;
     sentResolution_ = quality.resolution;
     news_ = 0;
     return quality;

@@ -28,6 +28,7 @@
 #include "server/stream/quality_controller.hpp"
 #include "server/stream/resume_store.hpp"
 #include "server/stream/scene.hpp"
+#include "server/stream/send_window.hpp"
 #include "server/stream/session_register.hpp"
 #include "server/stream/still_schedule.hpp"
 
@@ -64,9 +65,10 @@ struct SessionOptions {
         nullptr;                  ///< its entry in the register; empty = it has none, and follows nobody
     bool mayFollow = true;        ///< others; what they show may be more than its client may see
     bool endsWithLeader = false;  ///< ends when the session that it follows does
-    std::size_t window = maxUnacknowledgedFrames;  ///< frames that are drawn before one is acknowledged
-    ResumeStore* resumable = nullptr;              ///< null = sessions cannot be resumed
-    std::uint64_t maxPixels = 0;                   ///< of a picture
+    /// Frames that are made before one is acknowledged; empty = as many as the line holds (send_window.hpp).
+    std::optional<std::size_t> window;
+    ResumeStore* resumable = nullptr;  ///< null = sessions cannot be resumed
+    std::uint64_t maxPixels = 0;       ///< of a picture
     std::chrono::milliseconds helloPatience{10000};
     std::chrono::milliseconds statsInterval{1000};
     StillTimes stills;
@@ -114,10 +116,12 @@ class StreamSession {
 
     struct Order {
         std::uint64_t number = 0, seq = 0;
-        Time viewTime;
+        Time viewTime, placed;
         std::optional<StillSchedule::Still> still;  // empty = a moving frame
         MovingQuality quality;                      // of a moving frame
-        View view;                                  // as it is drawn
+        View wanted, view;                          // view: as it is drawn
+        std::shared_ptr<const Cloud> cloud;
+        bool taken = false;  // from the session that this one follows
     };
     void handle(const messages::Hello& hello, Time now);
     void handle(const messages::ViewChange& change, Time now);
@@ -136,7 +140,7 @@ class StreamSession {
     void leaderLeft();
     void refuse(Problem problem, std::optional<std::uint64_t> seq);
     void pump(Time now);
-    void place(const Order& order);
+    void place(Order order, Time now);
     void viewChanged(Time now);
     void lookForNewerCloud(Time now);
     void leaveOutLost(Time now);
@@ -147,7 +151,12 @@ class StreamSession {
     void deliver(const Order& order, EncodedPicture picture, Time now);
     void sendStats(const Order& order, const EncodedPicture& picture, Time now);
     void close(CloseCode code, std::string reason);
-    bool room() const { return unacknowledged() + outstanding_.size() < options_.window; }
+    bool fits(const SharedPicture& picture) const;
+    void takeShared(Time now);
+    void share(const Order& order, const EncodedPicture& picture);
+    std::optional<Time> due() const;
+    bool hasRoom(Time now) const;
+    bool hasQuiet(Time now) const;
     std::size_t unacknowledged() const { return std::size_t(lastFrame_ - ackedFrame_); }
 
     const SessionOptions options_;
@@ -167,8 +176,15 @@ class StreamSession {
     std::optional<messages::Drain> leaving_;  // what its client is told, or has been
     bool withDepth_ = false;                  // what this connection's hello asked for
 
-    bool fresh_ = false;            // a view came for which nothing has been ordered
-    bool quiet_ = false;            // ... because a frame is to have the link to itself
+    SendWindow window_;
+    bool fresh_ = false;  // a view came for which nothing has been ordered
+    Time freshSince_;
+    std::shared_ptr<const SharedPicture> shared_;  // the last one of the followed session's that was sent
+    bool awaits_ = false;                          // pictures of that session, in place of its own
+    bool leaderHasThisSize_ = false;
+    bool leaderRests_ = false;  // ... which did not come
+    bool room_ = false;         // for another frame, when last looked
+    bool quiet_ = false;        // ... but none is ordered, because one is to find the link without a queue
     std::optional<Camera> before_;  // the camera of the view before, while the camera moves
     Time beforeTime_;
     FramePace pace_;

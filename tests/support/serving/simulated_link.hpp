@@ -1,5 +1,6 @@
 // A stream over a network that is not there: a link with a bandwidth that changes and a latency, a renderer
-// whose cost is a formula, frames whose bytes are one, and the session's window of two unacknowledged frames.
+// whose cost is a formula, frames whose bytes are one, and a window of two unacknowledged frames, which sessions begin with
+// (shaped_session.hpp has the session itself, and its window).
 // Time is simulated, in steps of a millisecond; nothing waits.
 #pragma once
 

@@ -57,7 +57,7 @@ streams the pictures to browsers and programs. Graphics cards are used where
 there are any."
   PACKAGE_SHLIBDEPS ON
   PACKAGE_DEPENDS "systemd-standalone-sysusers | systemd-sysusers"
-  PACKAGE_RECOMMENDS "ca-certificates, libegl1"  # object storage by https
+  PACKAGE_RECOMMENDS "ca-certificates, libegl1, libopenh264-7"  # object storage by https; video for moving frames
   PACKAGE_SUGGESTS "scancast-client, scancast-import-pcl, scancast-doc, libgl1-mesa-dri, libosmesa6, nginx")
 set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
   "${debian}/postinst" "${debian}/prerm" "${debian}/postrm" "${debian}/conffiles")
@@ -65,7 +65,7 @@ scancast_package(client scancast-client "client of the point cloud server Scanca
 Fetches pictures and films of scanned point clouds from a server, and shows
 them in a window."
   PACKAGE_SHLIBDEPS ON
-  PACKAGE_SUGGESTS "ffmpeg")
+  PACKAGE_SUGGESTS "ffmpeg, libopenh264-7")
 if(TARGET scancast-import-pcl)
   scancast_package(import-pcl scancast-import-pcl "PLY and PCD for the point cloud server Scancast
 A program that the server starts to read scans in these formats, with the Point

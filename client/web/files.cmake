@@ -161,6 +161,7 @@ set(SCANCAST_WEB_FILES
     view/margin.js
     view/mesh_triangles.js
     view/moves.js
+    view/moving_frames.js
     view/picture.js
     view/pose.js
     view/reprojection.js
@@ -170,6 +171,7 @@ set(SCANCAST_WEB_FILES
     view/vectors.js
     view/view_hash.js
     view/view_state.js
+    view/video.js
     view/viewer.js
     views/player.js
     views/saved.js

@@ -68,8 +68,14 @@ void StreamSession::takeShared(Time now) {
     room_ = hasRoom(now);
 }
 
+// Whoever is followed has its moving frames as JPEG: a video's frames are for its own decoder, and one picture can go to all.
+bool StreamSession::drawsVideo() const {
+    return video_ && (options_.registration == nullptr || !options_.registration->leads());
+}
+
 void StreamSession::share(const Order& order, const EncodedPicture& picture) {
-    if (options_.registration == nullptr || order.taken || !options_.registration->leads()) return;
+    const bool isEverybodys = picture.codec == Codec::Jpeg && !order.taken;
+    if (options_.registration == nullptr || !isEverybodys || !options_.registration->leads()) return;
     SharedPicture shared{order.cloud, order.wanted, order.view, order.still, order.quality, picture};
     options_.registration->share(std::make_shared<const SharedPicture>(std::move(shared)));
 }

@@ -4,6 +4,8 @@
 
 #include "protocol/depth/frame_depth.hpp"
 #include "tests/integration/server_fixture.hpp"
+#include "video/openh264.hpp"
+#include "video/video_decoder.hpp"
 
 namespace scancast::test {
 namespace {
@@ -111,6 +113,42 @@ TEST_F(StreamTest, TheFinalStillIsTheSnapshotByteForByte) {
     client.greet({{"cloud", "one"}, {"width", 48}, {"height", 32}});
     client.view(9, 77);
     const auto still = client.finalFrame(9);
+    ASSERT_TRUE(still);
+    const HttpReply snapshot =
+        request(port(), "/api/v1/clouds/one/snapshot.jpg?width=48&height=32&eye=77,-50,30&target=5,5,0");
+    ASSERT_EQ(snapshot.status, 200);
+    EXPECT_EQ(std::string(still->picture.begin(), still->picture.end()), snapshot.body);
+}
+
+TEST_F(StreamTest, MovingFramesAreVideoForWhoAsksAndTheFinalStillIsTheSnapshotAllTheSame) {
+    if (const auto library = openH264(); !library)
+        GTEST_SKIP() << "NOT TESTED: video, because " << library.error().message;
+    start();
+    StreamClient client(port());
+    const auto welcome =
+        client.greet({{"cloud", "one"}, {"width", 48}, {"height", 32}, {"codecs", {"h264", "jpeg"}}});
+    EXPECT_EQ(welcome["codecs"], (nlohmann::json{"h264", "jpeg"}));
+    EXPECT_EQ(welcome["movingCodec"], "h264");
+    const auto decoder = VideoDecoder::open();
+    ASSERT_TRUE(decoder);
+    std::uint64_t seq = 0;
+    int videos = 0;
+    for (bool isFinal = false; videos < 3 || !isFinal;) {
+        if (isFinal || seq == 0) {
+            ++seq;
+            client.view(seq, double(60 + seq));
+        }
+        const auto frame = client.frame();
+        ASSERT_TRUE(frame);
+        isFinal = frame->header.final && frame->header.seq == seq;
+        EXPECT_EQ(frame->header.codec, frame->header.moving ? Codec::H264 : Codec::Jpeg);
+        if (!frame->header.moving) continue;
+        ++videos;
+        EXPECT_TRUE(frame->header.key) << "a still was before it";
+        EXPECT_TRUE((*decoder)->decode(frame->picture, int(frame->header.width), int(frame->header.height)));
+    }
+    client.view(++seq, 77);
+    const auto still = client.finalFrame(seq);
     ASSERT_TRUE(still);
     const HttpReply snapshot =
         request(port(), "/api/v1/clouds/one/snapshot.jpg?width=48&height=32&eye=77,-50,30&target=5,5,0");

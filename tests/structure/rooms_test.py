@@ -10,7 +10,7 @@ import unittest
 
 import tree
 
-PRODUCT = ("protocol/", "files/", "threads/", "remote/", "transport/", "renderer/", "simulator/", "server/", "client/", "importers/", "ranks/")
+PRODUCT = ("protocol/", "files/", "threads/", "remote/", "transport/", "renderer/", "simulator/", "video/", "server/", "client/", "importers/", "ranks/")
 PICTURES = (".jpg", ".png", ".svg", ".ico")
 MOST_FILES = 30
 CROWDED = set()  # folders that are still to be divided; who does so takes them out here

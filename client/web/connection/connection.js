@@ -142,10 +142,12 @@ export class Connection {
    */
   #refusedAtTheDoor(problem) {
     const refused = problem?.errors?.map(({ parameter }) => parameter) ?? [];
+    const { codecs, ...elder } = this.#hello;
     const { width, height, depth, ...rest } = this.#hello;
     const { view, seq, frame, ...unseen } = this.#hello;
     // Words of the view are named like "camera.eye": one that cannot be shown any more is not shown at once.
-    if (depth !== undefined && refused.includes('depth')) this.#hello = { ...rest, width, height };
+    if (codecs && refused.includes('codecs')) this.#hello = elder;
+    else if (depth !== undefined && refused.includes('depth')) this.#hello = { ...rest, width, height };
     else if (problem?.status === 413 && width !== undefined) this.#hello = { ...rest, depth, ...(view && { view: sizeless(view) }) };
     else if (view !== undefined && problem?.status < 500 && problem?.status !== 404) this.#hello = unseen;
     else {

@@ -222,6 +222,11 @@ export class Session {
     this.#moves = 0;
   }
 
+  /** Connects anew with another hello, and goes on with what is seen. */
+  renew() {
+    this.#leaveIn(0);
+  }
+
   #move() {
     const from = this.#connection;
     if (!from || this.#next) return;

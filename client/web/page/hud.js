@@ -150,6 +150,8 @@ export class Hud {
     const rows = [[words.frameRate, words.fps(this.clock.framesPerSecond(performance.now()))]];
     rows.push([words.latency, milliseconds(this.clock.latency)]);
     if (frame) {
+      const { codec, hasFailed, reason } = frame.movingFrames ?? {};
+      rows.push([words.movingFrames, hasFailed ? words.videoFailed : [words.codecs[codec], reason].filter(Boolean).join('. ')]);
       rows.push([words.resolution, `${frame.width} × ${frame.height}`]);
       rows.push([words.rendering, milliseconds(frame.renderMicroseconds / 1000)]);
       rows.push([words.encoding, milliseconds(frame.encodeMicroseconds / 1000)]);

@@ -3,7 +3,7 @@
 
 const magic = 0x52464353; // "SCFR"
 const leastHeaderLength = 48;
-const jpeg = 1;
+const codecs = { 1: 'jpeg', 2: 'h264' };
 const largestSide = 16384;
 const depthStart = 64;
 const largestDepthSide = 160;
@@ -37,7 +37,7 @@ function packedDepthOf(data, headerLength) {
 }
 
 /**
- * One received message, taken apart: the header's fields, `picture`, a view of the JPEG's bytes, and `packedDepth`, where
+ * One received message, taken apart: the header's fields, `picture`, a view of the bytes of its `codec`, 'jpeg' or 'h264', and `packedDepth`, where
  * the frame has it.
  */
 export function parseFrame(buffer) {
@@ -56,7 +56,7 @@ export function parseFrame(buffer) {
     );
   }
   const codec = data.getUint8(8);
-  if (codec !== jpeg) throw new FrameError(`codec ${codec} is unknown; 1 is JPEG`);
+  if (!codecs[codec]) throw new FrameError(`codec ${codec} is unknown; 1 is JPEG, 2 is H.264`);
   const width = data.getUint32(32, true);
   const height = data.getUint32(36, true);
   if (!(width >= 1 && width <= largestSide && height >= 1 && height <= largestSide)) {
@@ -69,6 +69,8 @@ export function parseFrame(buffer) {
     final: (flags & 4) !== 0,
     damaged: (flags & 8) !== 0,
     away: (flags & 16) !== 0,
+    key: (flags & 32) !== 0,
+    codec: codecs[codec],
     frameId: Number(data.getBigUint64(16, true)),
     seq: Number(data.getBigUint64(24, true)),
     width,

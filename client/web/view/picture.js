@@ -90,7 +90,7 @@ export class Picture {
   }
 
   /**
-   * Decodes and draws; resolves to whether it was drawn. Rejects when the picture cannot be decoded.
+   * Decodes, where `frame.bitmap` is no promise of that, and draws; resolves to whether it was drawn. Rejects when the picture cannot be decoded.
    * @param {{ camera, bounds, stretch?: { x: number, y: number } }} [from] whence it was drawn, if that is known, and by how much
    *   it is wider and higher than what is to be seen of it
    */
@@ -98,7 +98,7 @@ export class Picture {
     const generation = this.#generation;
     // A frame whose depth is not to be had is a picture all the same.
     const unpacking = frame.packedDepth ? unpackDepth(frame.packedDepth).catch(() => undefined) : undefined;
-    const bitmap = await createImageBitmap(new Blob([frame.picture], { type: 'image/jpeg' }));
+    const bitmap = await (frame.bitmap ?? createImageBitmap(new Blob([frame.picture], { type: 'image/jpeg' })));
     const depth = await unpacking;
     if (generation !== this.#generation || frame.frameId <= this.#drawnFrame) {
       bitmap.close();

@@ -14,7 +14,7 @@
 //   view        { by }: another view is wanted; by 'hand', 'style', 'program' (a flight, a restored view) or 'server'
 //   camera      the same, of the camera alone, with every step of it: { by }
 //   asked       { seq }: the server has been told
-//   frame       the frame that has just been drawn, `current`: whether it shows what was asked for last
+//   frame       the frame that has just been drawn, `current`: whether it shows what was asked for last; `movingFrames`: how those come
 //   shown       nothing: what is on the canvas may look from elsewhere than before (`shownPose`)
 //   unreadable  nothing: a picture could not be decoded
 //   stats, problem  as the protocol has them
@@ -27,6 +27,7 @@ import { FirstViews } from './first_views.js';
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
 import { CameraInput } from './camera_input.js';
 import { cameraOf, wireOf } from './camera_words.js';
+import { MovingFrames } from './moving_frames.js';
 import { Picture } from './picture.js';
 import { askable, boundsOf, pick, restyled, usualStyle, usualUpAxis } from './usual.js';
 
@@ -45,6 +46,7 @@ export class Viewer extends EventTarget {
   #exchange;
   #picture;
   #session;
+  #movingFrames = new MovingFrames(() => this.#session.renew());
   #input;
   #calm = matchMedia('(prefers-reduced-motion: reduce)');
 
@@ -99,16 +101,17 @@ export class Viewer extends EventTarget {
         this.#reproject(); // nothing newer is on its way where there is no connection
         this.#tell('connection', now);
       },
-      expect: (cloud) => (this.#moved || this.#restore?.camera ? undefined : this.#expected(cloud)),
+      expect: (cloud) => Promise.all([this.#movingFrames.ready, this.#moved || this.#restore?.camera ? undefined : this.#expected(cloud)]),
       catalog: (fresh) => this.#catalogCame(fresh),
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
         const { width, height, ratio } = this.#picture.size;
-        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)), depth: true };
+        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)), depth: true, ...this.#movingFrames.words };
       },
       seen: (cloud, seq) => (this.#camera && this.view.cloud === cloud ? this.#exchange.say(seq, this.#camera) : undefined),
       welcome: (message) => this.#welcome(message),
       moved: (message, hello) => {
+        this.#movingFrames.begin(message);
         this.#picture.newStream();
         this.#picture.setLimit(message.limits?.maxPixels ?? 0);
         this.#exchange.moved(hello, this.#session.connection.nextSeq);
@@ -458,6 +461,7 @@ export class Viewer extends EventTarget {
   #welcome(message) {
     const known = this.#cloud?.id === message.cloud;
     this.#cloud = this.#catalog.clouds.find((one) => one.id === message.cloud) ?? { id: message.cloud, bounds: unitBox, view: message.view };
+    this.#movingFrames.begin(message);
     this.#picture.newStream();
     this.#picture.setLimit(message.limits?.maxPixels ?? 0);
     const link = this.#restore;
@@ -553,14 +557,15 @@ export class Viewer extends EventTarget {
 
   async #showFrame(frame) {
     const { connection } = this.#session;
+    const bitmap = this.#movingFrames.decode(frame);
     try {
-      const shown = await this.#exchange.show(frame, this.bounds);
+      const shown = await this.#exchange.show({ ...frame, bitmap }, this.bounds);
       if (shown) {
         this.#reproject();
-        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 && shown.exact });
+        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 && shown.exact, movingFrames: this.#movingFrames.now });
       }
     } catch {
-      this.#tell('unreadable');
+      if (!bitmap) this.#tell('unreadable'); // else JPEG is on its way
     }
     // Only now, so that a slow machine is not sent more than it can decode.
     connection?.acknowledge(frame.frameId);

@@ -28,7 +28,7 @@ describe('parseFrame', () => {
   it('reads every field', () => {
     const { picture, ...fields } = parseFrame(frameOf(goodBytes));
     assert.deepEqual(fields, {
-      moving: false, still: true, final: true, damaged: false, away: false, frameId: 258, seq: 2 ** 32, width: 1280, height: 720,
+      moving: false, still: true, final: true, damaged: false, away: false, key: false, codec: 'jpeg', frameId: 258, seq: 2 ** 32, width: 1280, height: 720,
       renderMicroseconds: 10000, encodeMicroseconds: 100, packedDepth: undefined,
     });
     assert.deepEqual([...picture], [0xff, 0xd8, 0xff]);
@@ -38,6 +38,11 @@ describe('parseFrame', () => {
     const { still, final, damaged } = parseFrame(changed([9, 14]));
     assert.deepEqual({ still, final, damaged }, { still: true, final: true, damaged: true });
     assert.equal(parseFrame(changed([9, 17])).away, true);
+  });
+
+  it('tells video from JPEG, and where a decoder may begin', () => {
+    const { codec, key, moving } = parseFrame(changed([8, 2, 33]));
+    assert.deepEqual({ codec, key, moving }, { codec: 'h264', key: true, moving: true });
   });
 
   it('skips a header that has grown', () => {
@@ -79,7 +84,7 @@ describe('parseFrame', () => {
   it('refuses what is no frame', () => {
     const bad = {
       'another magic': changed([0, 0x54]), 'version 2': changed([4, 2]), 'a header below 48': changed([6, 47]),
-      'a header beyond the end': changed([6, 0xff, 0xff]), 'another codec': changed([8, 2]), 'a longer picture': changed([12, 4]),
+      'a header beyond the end': changed([6, 0xff, 0xff]), 'another codec': changed([8, 3]), 'a longer picture': changed([12, 4]),
       'a huge picture': changed([12, 0xff, 0xff, 0xff, 0xff]), 'no width': changed([32, 0, 0]), 'a giant': changed([36, 1, 0x40]),
     };
     for (const [what, bytes] of Object.entries(bad)) assert.throws(() => parseFrame(bytes), FrameError, what);

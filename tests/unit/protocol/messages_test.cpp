@@ -29,6 +29,7 @@ TEST(ClientMessages, RoundTrip) {
     hello.view = {{"width", 5}, {"camera", {{"fov", 50}}}};
     hello.seq = 18446744073709551615u;
     hello.frame = 77;
+    hello.codecs = {Codec::H264, Codec::Jpeg};
     Hello follower;
     follower.follow = "s1";
     ViewChange view{18446744073709551615u, "other", {{"width", 5}, {"camera", {{"fov", 50}}}}};
@@ -50,6 +51,17 @@ TEST(ClientMessages, RoundTrip) {
         ASSERT_TRUE(back) << text << ": " << back.error().message;
         EXPECT_EQ(*back, message) << text;
     }
+}
+
+TEST(ClientMessages, CodecsAreReadAndWrongOnesNamed) {
+    EXPECT_EQ(printMessage(ClientMessage(Hello{})).find("codecs"), std::string::npos)
+        << "as older servers know it";
+    const auto hello = parseClientMessage(R"({"type": "hello", "codecs": ["h264", "jpeg"]})");
+    ASSERT_TRUE(hello) << hello.error().message;
+    EXPECT_EQ(std::get<Hello>(*hello).codecs, (std::vector{Codec::H264, Codec::Jpeg}));
+    EXPECT_EQ(refused(R"({"type": "hello", "codecs": ["jpeg", "hevc"]})").field, "codecs[1]");
+    EXPECT_EQ(refused(R"({"type": "hello", "codecs": ["h264"]})").field, "codecs");
+    EXPECT_EQ(refused(R"({"type": "hello", "codecs": "jpeg"})").field, "codecs");
 }
 
 TEST(ClientMessages, AHelloWithoutDepthIsAsOlderServersKnowIt) {
@@ -135,6 +147,9 @@ TEST(ServerMessages, RoundTrip) {
     welcome.methods = {"point", "cone"};
     welcome.limits.maxPixels = 1u << 25u;
     welcome.view = toJson(View{});
+    welcome.codecs = {"h264", "jpeg"};
+    welcome.movingCodec = "h264";
+    welcome.codecReason = "why";
     Stats stats{12,   34, 29.5,    1.25,   100'000,   2'000'000, 3, {{"select", 0.5}, {"encode", 2.25}},
                 0.75, 63, 250'000, "cone", "why not", true};
     stats.color = "intensity";

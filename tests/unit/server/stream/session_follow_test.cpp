@@ -5,6 +5,7 @@
 #include <set>
 
 #include "tests/unit/server/stream/session_fixture.hpp"
+#include "video/openh264.hpp"
 
 namespace scancast::test {
 namespace {
@@ -22,6 +23,7 @@ class Audience {
         }
         void order(std::uint64_t number, PictureOrder order) override {
             ++orders;
+            if (order.video) ++videoOrders;
             audience->device_.push_back({this, number, std::move(order)});
         }
         bool replaceWaiting(std::uint64_t, PictureOrder) override { return false; }
@@ -45,7 +47,7 @@ class Audience {
         Audience* audience = nullptr;
         std::int64_t ackAfter = 1;  // ms; less than 0 = never
         bool looks = false;
-        std::size_t orders = 0, withDepth = 0;
+        std::size_t orders = 0, videoOrders = 0, withDepth = 0;
         std::vector<json> texts;
         std::vector<FrameHeader> frames;
         std::vector<std::shared_ptr<const Bytes>> pictures;
@@ -63,6 +65,7 @@ class Audience {
         options.id = member->registration->id();
         options.maxPixels = 4'000'000;
         options.registration = member->registration.get();
+        options.video = &places;
         member->session.emplace(options, world, *member, metrics, time());
         hello["type"] = "hello";
         member->session->text(hello.dump(), time());
@@ -84,6 +87,7 @@ class Audience {
         return sum;
     }
 
+    const VideoPlaces places{1};
     TwoClouds world;
     Metrics metrics{"test"};
     SessionRegister sessions;
@@ -238,6 +242,31 @@ TEST(Followers, DepthGoesToWhoAskedForIt) {
     EXPECT_EQ(without->withDepth, 0U);
     EXPECT_EQ(with->withDepth, with->frames.size());
     EXPECT_LE(audience.orders() - orders, leader->frames.size());
+}
+
+TEST(Followers, WhoHasVideoHasJpegWhileItIsFollowed) {
+    if (const auto library = openH264(); !library)
+        GTEST_SKIP() << "NOT TESTED: video, because " << library.error().message;
+    Audience audience;
+    const auto leader = audience.enter({{"codecs", {"h264", "jpeg"}}}, audience.world);
+    ASSERT_EQ(leader->texts.at(0)["movingCodec"], "h264");
+    audience.run(1000, leader.get());
+    const std::size_t alone = leader->videoOrders;
+    EXPECT_GT(alone, 20U);
+    auto follower = audience.follow(*leader);
+    audience.run(200, leader.get());
+    const std::size_t before = leader->videoOrders;
+    const std::size_t ordered = audience.orders();
+    audience.run(1000, leader.get());
+    EXPECT_EQ(leader->videoOrders, before);
+    EXPECT_EQ(follower->videoOrders, 0U);
+    EXPECT_GT(follower->count(true), 20U);
+    EXPECT_LE(audience.orders() - ordered, 40U) << "one drawing for both";
+    audience.run(1500);
+    audience.members.pop_back();
+    follower.reset();
+    audience.run(1000, leader.get());
+    EXPECT_GT(leader->videoOrders, before + 20) << "and video again when it is not";
 }
 
 }  // namespace

@@ -120,7 +120,8 @@ std::size_t sizeOf(const Asset& file) {
 
 // The first load is what everybody waits for before he sees anything; the rest comes with the tool that is used.
 TEST(PageFiles, AreSmall) {
-    constexpr std::size_t mostAtFirst = 149'000, most = 268'000;
+    // 2.4 kB of it are video, of which 1.1 come with the first moving frame.
+    constexpr std::size_t mostAtFirst = 149'000, most = 270'400;
     std::size_t all = 0, gzip = 0, first = sizeOf(*findAsset("/")->file);
     for (const Asset& file : pageFiles().files) {
         gzip += file.gzip.empty() ? file.bytes.size() : file.gzip.size();

@@ -1,6 +1,7 @@
 // client → server: read strictly, printed without what is at its default.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "protocol/json_fields.hpp"
 #include "protocol/json_text.hpp"
@@ -79,7 +80,7 @@ Expected<ClientMessage> readHello(FieldReader& fields) {
     return finish(fields, hello);
 }
 
-Expected<ClientMessage> readView(const json& object) {
+Expected<ClientMessage> readView(json&& object) {
     ViewChange view;
     FieldReader fields(object);
     if (fields.require("seq")) fields.integer("seq", view.seq, 0, UINT64_MAX);
@@ -91,7 +92,7 @@ Expected<ClientMessage> readView(const json& object) {
         view.follow = leader;
     }
     if (auto ok = fields.finishLenient(); !ok) return passOn(ok);
-    view.changes = object;
+    view.changes = std::move(object);  // nothing is read from it any more
     for (const auto* own : {"type", "seq", "cloud", "follow"}) view.changes.erase(own);
     return view;
 }
@@ -178,7 +179,7 @@ json print(const Ping& ping) {
 }  // namespace
 
 Expected<ClientMessage> parseClientMessage(std::string_view text) {
-    const auto object = parseJson(text);
+    auto object = parseJson(text);
     if (!object) return passOn(object);
     if (!object->is_object())
         return fail(ErrorCode::Malformed, "a message is a JSON object, such as {\"type\": \"hello\"}");
@@ -189,7 +190,7 @@ Expected<ClientMessage> parseClientMessage(std::string_view text) {
         return passOn(wrong);
     }
     if (type == "hello") return readHello(fields);
-    if (type == "view") return readView(*object);
+    if (type == "view") return readView(std::move(*object));
     if (type == "quality") return readQuality(fields);
     if (type == "pick") return readPick(fields);
     if (type == "ack") return readAck(fields);

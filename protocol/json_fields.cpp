@@ -34,7 +34,7 @@ void FieldReader::error(const Error& error) {
 }
 
 const nlohmann::json* FieldReader::find(std::string_view key) {
-    if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
+    if (known_.empty() || known_.back() != key) known_.push_back(key);  // asked again, mostly, right away
     if (!object_.is_object()) return nullptr;
     const auto found = object_.find(key);
     return found == object_.end() ? nullptr : &*found;

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 #include <vector>
 
 #include "protocol/nearest_name.hpp"
@@ -10,9 +11,11 @@
 namespace scancast {
 namespace {
 
-/// Checked before parsing, so that hostile nesting costs one pass over the text and no memory.
-Expected<void> checkDepth(std::string_view text) {
+/// Checked before parsing, so that hostile nesting costs one pass over the text and no memory. Returns how many keys there are where the
+/// text is JSON: outside strings, each colon stands behind one.
+Expected<std::size_t> checkDepth(std::string_view text) {
     int depth = 0;
+    std::size_t keys = 0;
     bool inString = false;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
@@ -30,9 +33,19 @@ Expected<void> checkDepth(std::string_view text) {
                                                       std::to_string(i));
         } else if (c == '}' || c == ']') {
             --depth;
+        } else if (c == ':') {
+            ++keys;
         }
     }
-    return {};
+    return keys;
+}
+
+/// Its own and those of all that lies in it; no deeper than checkDepth() lets it be.
+std::size_t membersOf(const nlohmann::json& value) {
+    std::size_t count = value.is_object() ? value.size() : 0;
+    if (value.is_structured())
+        for (const nlohmann::json& inner : value) count += membersOf(inner);
+    return count;
 }
 
 /// The library keeps the last of two equal keys; whoever sends both means neither for certain.
@@ -62,20 +75,22 @@ std::string reason(const std::exception& error) {
 }  // namespace
 
 Expected<nlohmann::json> parseJson(std::string_view text) {
-    if (auto ok = checkDepth(text); !ok) return passOn(ok);
-    RepeatedKey repeated;
+    const auto keys = checkDepth(text);
+    if (!keys) return passOn(keys);
     try {
-        auto value = nlohmann::json::parse(
+        auto value = nlohmann::json::parse(text.begin(), text.end());
+        if (membersOf(value) == *keys) return value;
+        // Which key it is needs a second look, and memory for each.
+        RepeatedKey repeated;
+        std::ignore = nlohmann::json::parse(
             text.begin(), text.end(),
             [&](int /*depth*/, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
                 repeated(event, parsed);
                 return true;
             });
-        if (!repeated.found.empty())
-            return fail(ErrorCode::Malformed,
-                        "the JSON has the key " + quoteText(repeated.found) + " twice in one object",
-                        repeated.found);
-        return value;
+        return fail(ErrorCode::Malformed,
+                    "the JSON has the key " + quoteText(repeated.found) + " twice in one object",
+                    repeated.found);
     } catch (const nlohmann::json::exception& error) {
         return fail(ErrorCode::Malformed, "not JSON: " + reason(error));
     }

@@ -249,6 +249,12 @@ struct Metrics::Families {
             .Help("Frames sent coarser than they would be, because a part of the server is out of reach")
             .Register(registry)
             .Add({});
+    prometheus::Counter& framesShared =
+        prometheus::BuildCounter()
+            .Name("scancast_frames_shared_total")
+            .Help("Frames sent to streams that were drawn and encoded for the stream that they follow")
+            .Register(registry)
+            .Add({});
     prometheus::Gauge& residentBytes = prometheus::BuildGauge()
                                            .Name("scancast_residency_bytes")
                                            .Help("Memory that clouds take, blocks held by pictures included")
@@ -468,6 +474,10 @@ void Metrics::frameRendered(std::string_view method, double seconds, bool comple
 void Metrics::frameEncoded(double seconds, std::uint64_t bytes) {
     families_->encode.Observe(seconds);
     families_->bytes.Observe(double(bytes));
+}
+
+void Metrics::frameShared() {
+    families_->framesShared.Increment();
 }
 
 void Metrics::frameSent(double viewToFrameSeconds, bool away) {

@@ -78,6 +78,8 @@ class Metrics {
     /// A frame went to a stream; `viewToFrameSeconds` counts from the arrival of the view that it shows.
     /// `away`: coarser than it would be, because a part of the server is out of reach.
     void frameSent(double viewToFrameSeconds, bool away = false);
+    /// Of these: one that was drawn and encoded for the session that its own follows.
+    void frameShared();
     void frameDropped(DropReason reason);
     /// A picture was taken on that is priced at so many seconds of a core.
     void pictureAdmitted(double coreSeconds);

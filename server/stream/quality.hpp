@@ -23,6 +23,7 @@ struct MovingQuality {
     double resolution = 1;  ///< of width and height
     int jpegQuality = 90;
     Subsampling subsampling = Subsampling::S420;
+    bool byNetwork = false;  ///< less than the device's effort allows
 };
 
 /// Sizes come in steps of this share, so that a client does not see a new size with every frame.

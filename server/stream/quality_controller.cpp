@@ -66,6 +66,9 @@ MovingQuality QualityController::choose(const View& wanted, double ownDetail, co
     quality.subsampling = isVideo ? Subsampling::S420 : wanted.quality.subsampling;
     if (link_.bandwidth() && bytesPerPixel_)
         fitBytes(quality, wanted, limits, *link_.bandwidth() * shareOfLink * frameSeconds(limits));
+    quality.byNetwork = quality.resolution < resolution_ ||
+                        quality.jpegQuality < wanted.quality.jpegQuality ||
+                        quality.subsampling != wanted.quality.subsampling;
     sentResolution_ = quality.resolution;
     news_ = 0;
     return quality;

@@ -20,7 +20,9 @@ std::uint32_t microseconds(double milliseconds) {
 // Each has a picture drawn; who asks faster than it is answered gains nothing by a longer queue.
 constexpr int mostPicks = 4;
 // One is drawn while another waits for its turn, or for its encoder.
-constexpr std::size_t mostOrders = 2;
+constexpr std::size_t mostInMaking = 2;
+// How long a session goes without a picture that the one it follows is to send, before it orders its own.
+constexpr std::chrono::milliseconds patienceWithLeader{150}, patienceWithStill{1000};
 // How far prefetching looks ahead: about what a disk needs for a screenful.
 constexpr double aheadSeconds = 0.3;
 
@@ -247,6 +249,8 @@ void StreamSession::show(Scene scene, Time now) {
     if (fresh_) {
         ++overtaken_;
         metrics_.frameDropped(DropReason::Overwritten);
+    } else {
+        freshSince_ = now;
     }
     fresh_ = true;
     remember();
@@ -278,8 +282,8 @@ void StreamSession::lookAround(Time now) {
     followLeader(now);
     if (state_ != State::Open || !cloud) return;
     leaveOutLost(now);
-    if (scenes_.isCurrent(scene_)) return;
-    nextLook_ = now;  // another cloud has taken the name
+    if (scenes_.isCurrent(scene_)) return pump(now);  // the leader may have sent a picture
+    nextLook_ = now;                                  // another cloud has taken the name
     lookForNewerCloud(now);
     pump(now);
 }
@@ -306,6 +310,7 @@ void StreamSession::followLeader(Time now) {
     if (!following()) return;
     auto shown = options_.registration->leader();
     if (!shown) return leaderLeft();
+    leaderHasThisSize_ = shown->view.width == scene_.view.width && shown->view.height == scene_.view.height;
     auto scene = scenes_.followed(*shown, scene_.view.width, scene_.view.height);
     if (!scene) return refuse(std::move(scene.error()), std::nullopt);
     scene->seq = scene_.seq;
@@ -396,10 +401,12 @@ StreamSession::Order StreamSession::nextOrder(std::optional<StillSchedule::Still
     order.number = ++lastOrder_;
     order.seq = scene_.seq;
     order.viewTime = viewTime_;
+    order.wanted = scene_.view;
+    order.cloud = scene_.cloud;
     order.still = still;
     if (!still)
         order.quality =
-            quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_, video_ != nullptr);
+            quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_, drawsVideo());
     order.view = viewOf(order);
     return order;
 }
@@ -420,7 +427,7 @@ PictureOrder StreamSession::pictureOf(const Order& order) const {
     picture.complete = order.still == StillSchedule::Still::Final;
     picture.onlyWhole = order.still == StillSchedule::Still::Trial;
     picture.interruptible = order.still.has_value();
-    if (!order.still) picture.video = video_;
+    if (!order.still && drawsVideo()) picture.video = video_;
     if (!order.still && before_) {
         picture.ahead =
             extrapolate(*before_, scene_.view.camera, secondsBetween(beforeTime_, viewTime_), aheadSeconds);
@@ -441,7 +448,7 @@ bool StreamSession::stillComing() const {
 
 // A frame that is being made counts, too, so a finished picture can always go out at once.
 bool StreamSession::hasRoom(Time now) const {
-    return outstanding_.size() < mostOrders &&
+    return outstanding_.size() < mostInMaking &&
            unacknowledged() + outstanding_.size() < options_.window.value_or(window_.frames(now));
 }
 
@@ -455,7 +462,12 @@ void StreamSession::pump(Time now) {
     if (state_ != State::Open) return;
     quiet_ = hasQuiet(now);
     room_ = hasRoom(now);
-    if (fresh_ && room_ && !quiet_ && pace_.allows(viewTime_, limits_.fps, now)) {
+    takeShared(now);
+    if (awaits_ && fresh_ && now >= freshSince_ + patienceWithLeader) {
+        awaits_ = false;
+        leaderRests_ = true;  // it is waited for again when a picture of its has been sent
+    }
+    if (fresh_ && room_ && !quiet_ && !awaits_ && pace_.allows(viewTime_, limits_.fps, now)) {
         fresh_ = false;
         pace_.begin(limits_.fps, now);
         place(nextOrder(std::nullopt), now);
@@ -470,6 +482,7 @@ void StreamSession::pump(Time now) {
     }
     room_ = hasRoom(now);
     if (fresh_ || !room_) return;
+    if (const auto at = due(); !at || now < *at) return;
     if (const auto still = stills_.due(!outstanding_.empty(), stillComing(), now)) {
         stills_.ordered(*still);
         place(nextOrder(*still), now);
@@ -501,9 +514,10 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> r
     } else {
         const bool cancelled = result.error().code == ErrorCode::Cancelled;
         const bool isAway = result.error().code == ErrorCode::Unavailable;
-        if (isAway && !order.still)
+        if (isAway && !order.still) {
             fresh_ = true;  // dropped; the view is still to be shown
-        else if (isAway)
+            freshSince_ = now;
+        } else if (isAway)
             stills_.away(now);
         else if (order.still == StillSchedule::Still::Trial && cancelled)
             stills_.lacked(now);
@@ -533,10 +547,10 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     header.renderMicroseconds = microseconds(picture.renderMs);
     header.encodeMicroseconds = microseconds(picture.encodeMs);
     const double own = world_.ownDetail(scene_.view);
-    if (!order.still) {
+    if (!order.still && !order.taken) {
         quality_.drawn(order.quality, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
     }
-    const std::size_t depthBytes = picture.depth ? picture.depth->size() : 0;
+    const std::size_t depthBytes = withDepth_ && picture.depth ? picture.depth->size() : 0;
     const std::size_t bytes = picture.bytes->size() + depthBytes;
     const Coding coding = picture.codec == Codec::Jpeg ? Coding::Jpeg
                           : picture.key                ? Coding::VideoKey
@@ -552,7 +566,8 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     if (video_ && video_->hasFailed()) video_.reset();
     if (options_.registration != nullptr) options_.registration->frameSent();
     remember();  // first: who gets the frame may come back at once, by another connection
-    port_.sendFrame(header, picture.bytes, picture.depth);
+    port_.sendFrame(header, picture.bytes, withDepth_ ? picture.depth : nullptr);
+    share(order, picture);
 
     metrics_.frameSent(secondsBetween(order.viewTime, now), header.away);
     sentTimes_.push_back(now);
@@ -603,9 +618,20 @@ std::optional<StreamSession::Time> StreamSession::wakeAt() const {
     // Without room, or while the link is to be quiet, it is an acknowledgement or a finished picture that
     // brings the next step, not time.
     if (!room_ || (fresh_ && quiet_)) return nextLook_;
-    const auto due = fresh_ ? std::optional(pace_.due(limits_.fps)) : stills_.dueAt(!outstanding_.empty());
-    if (!due) return nextLook_;
-    return nextLook_ ? std::min(*nextLook_, *due) : *due;
+    const auto next = due();
+    if (!next) return nextLook_;
+    return nextLook_ ? std::min(*nextLook_, *next) : *next;
+}
+
+/// When the next picture is ordered: of a view that waits a moving frame, else a still. Later, where the leader's is awaited.
+std::optional<StreamSession::Time> StreamSession::due() const {
+    if (fresh_) {
+        const Time paced = pace_.due(limits_.fps);
+        return awaits_ ? std::max(paced, freshSince_ + patienceWithLeader) : paced;
+    }
+    auto still = stills_.dueAt(!outstanding_.empty());
+    if (still && awaits_) still = std::max(*still, viewTime_ + patienceWithStill);
+    return still;
 }
 
 void StreamSession::close(CloseCode code, std::string reason) {

@@ -121,7 +121,9 @@ class StreamSession {
         Time viewTime, placed;
         std::optional<StillSchedule::Still> still;  // empty = a moving frame
         MovingQuality quality;                      // of a moving frame
-        View view;                                  // as it is drawn
+        View wanted, view;                          // view: as it is drawn
+        std::shared_ptr<const Cloud> cloud;
+        bool taken = false;  // from the session that this one follows
     };
     void handle(const messages::Hello& hello, Time now);
     void handle(const messages::ViewChange& change, Time now);
@@ -137,6 +139,7 @@ class StreamSession {
     void show(Scene scene, Time now);
     bool following() const { return options_.registration != nullptr && options_.registration->following(); }
     void chooseCodec(messages::Welcome& welcome);
+    bool drawsVideo() const;
     bool continuesVideo(const EncodedPicture& picture);
     void followLeader(Time now);
     void leaderLeft();
@@ -153,6 +156,10 @@ class StreamSession {
     void deliver(const Order& order, EncodedPicture picture, Time now);
     void sendStats(const Order& order, const EncodedPicture& picture, Time now);
     void close(CloseCode code, std::string reason);
+    bool fits(const SharedPicture& picture) const;
+    void takeShared(Time now);
+    void share(const Order& order, const EncodedPicture& picture);
+    std::optional<Time> due() const;
     bool hasRoom(Time now) const;
     bool hasQuiet(Time now) const;
     std::size_t unacknowledged() const { return std::size_t(lastFrame_ - ackedFrame_); }
@@ -179,8 +186,13 @@ class StreamSession {
 
     SendWindow window_;
     bool fresh_ = false;  // a view came for which nothing has been ordered
-    bool room_ = false;   // for another frame, when last looked
-    bool quiet_ = false;  // ... but none is ordered, because one is to find the link without a queue
+    Time freshSince_;
+    std::shared_ptr<const SharedPicture> shared_;  // the last one of the followed session's that was sent
+    bool awaits_ = false;                          // pictures of that session, in place of its own
+    bool leaderHasThisSize_ = false;
+    bool leaderRests_ = false;  // ... which did not come
+    bool room_ = false;         // for another frame, when last looked
+    bool quiet_ = false;        // ... but none is ordered, because one is to find the link without a queue
     std::optional<Camera> before_;  // the camera of the view before, while the camera moves
     Time beforeTime_;
     FramePace pace_;

@@ -203,6 +203,30 @@ void SessionRegistration::frameSent() {
     ++sessions_.entries_.at(id_).facts.frames;
 }
 
+bool SessionRegistration::leads() const {
+    const std::lock_guard lock(sessions_.mutex_);
+    return std::ranges::any_of(sessions_.entries_,
+                               [&](const auto& other) { return other.second.facts.follows == id_; });
+}
+
+void SessionRegistration::share(std::shared_ptr<const SharedPicture> picture) {
+    SessionRegister::Sessions followers;
+    {
+        const std::lock_guard lock(sessions_.mutex_);
+        followers = sessions_.followersLocked(id_);
+        if (followers.empty()) picture.reset();
+        sessions_.entries_.at(id_).picture.swap(picture);  // the one before goes outside the lock
+    }
+    SessionRegister::wake(followers);
+}
+
+std::shared_ptr<const SharedPicture> SessionRegistration::leadersPicture() const {
+    const std::lock_guard lock(sessions_.mutex_);
+    const std::string& leader = sessions_.entries_.at(id_).facts.follows;
+    const auto at = leader.empty() ? sessions_.entries_.end() : sessions_.entries_.find(leader);
+    return at == sessions_.entries_.end() ? nullptr : at->second.picture;
+}
+
 tl::expected<SharedView, Problem> SessionRegistration::mayFollow(const std::string& leader) const {
     const std::lock_guard lock(sessions_.mutex_);
     return mayFollowLocked(leader);

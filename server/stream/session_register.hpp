@@ -21,6 +21,9 @@
 #include "protocol/messages.hpp"
 #include "protocol/problem.hpp"
 #include "protocol/view/view.hpp"
+#include "server/scheduler/picture_order.hpp"
+#include "server/stream/quality.hpp"
+#include "server/stream/still_schedule.hpp"
 
 namespace scancast {
 
@@ -38,6 +41,15 @@ struct SharedView {
     std::uint64_t seq = 0;
 };
 
+/// A picture that a session has sent, as those that follow it may send it.
+struct SharedPicture {
+    std::shared_ptr<const Cloud> cloud;  ///< who sees the same one may see the picture
+    View wanted, drawn;                  ///< a moving frame is drawn as its quality says
+    std::optional<StillSchedule::Still> still{};
+    MovingQuality quality{};  ///< of a moving frame
+    EncodedPicture picture;
+};
+
 /// A session as strangers may reach it.
 class LiveSession {
   public:
@@ -46,7 +58,7 @@ class LiveSession {
     /// As if its client had sent this; posts. `done` is called once, on the session's strand, with what is
     /// shown then, unless the server ends first.
     virtual void changeView(messages::ViewChange change, Changed done) = 0;
-    /// The followed session shows something else or is gone, or a cloud was removed. Posts; calls that come
+    /// The followed session shows something else, has sent a picture or is gone, or a cloud was removed. Posts; calls that come
     /// before the session has looked count as one.
     virtual void lookAround() = 0;
     /// Its client is told to connect elsewhere. Posts. Clients that hear nothing stay to the end.
@@ -81,6 +93,12 @@ class SessionRegistration {
     /// Followers are told.
     void show(SharedView view);
     void frameSent();
+    /// Whether anybody follows it.
+    bool leads() const;
+    /// It has sent this: followers are told. Kept while there are any, until the next one.
+    void share(std::shared_ptr<const SharedPicture> picture);
+    /// The newest that the followed session has sent; null when there is none.
+    std::shared_ptr<const SharedPicture> leadersPicture() const;
     /// What that session shows, if it can be followed: 404 when there is none of that id, 503 when it shows
     /// nothing yet, 409 for oneself and wherever a follower would be followed.
     tl::expected<SharedView, Problem> mayFollow(const std::string& leader) const;
@@ -120,6 +138,7 @@ class SessionRegister {
         std::uint64_t number = 0;
         std::weak_ptr<LiveSession> session;
         SessionRegistration* registration = nullptr;
+        std::shared_ptr<const SharedPicture> picture{};  // for followers
     };
     using Sessions = std::vector<std::weak_ptr<LiveSession>>;
 

@@ -39,6 +39,8 @@ class StillSchedule {
     /// When due() will have an answer, pictures being made or not; empty when only a picture brings the next
     /// one.
     std::optional<Time> dueAt(bool busy) const;
+    /// The final one is still to come, and nothing has been ordered of it.
+    bool wanted() const { return finalWanted_; }
     /// It has been ordered.
     void ordered(Still still);
     /// A trial came to nothing: samples are missing.

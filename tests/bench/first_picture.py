@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How long a scan keeps people waiting: seconds from the start of `scancast serve` to the first picture of it.
 
-    tests/bench/first_picture.py [--scancast PROGRAM] FILES...
+    tests/bench/first_picture.py [--scancast PROGRAM] [--json FILE] FILES...
 
 Asks for a small picture again and again. Prints when the first one came and of how many points it was, and when the whole scan was there:
 a scan that is still being read is shown coarsely.
@@ -17,6 +17,8 @@ import sys
 import time
 import urllib.error
 import urllib.request
+
+from figures import told
 
 LONGEST = 600  # seconds
 
@@ -67,10 +69,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", metavar="FILES", nargs="+", help="scans, or cloud files")
     parser.add_argument("--scancast", metavar="PROGRAM", default=os.path.join(root, "build/release/bin/scancast"), help="by default %(default)s")
-    arguments = parser.parse_args()
+    told.add_option(parser)
+    arguments, sheet = parser.parse_args(), told.Told()
     for scan in arguments.files:
         first, some, whole, points = wait_for(arguments.scancast, scan)
         print(f"{os.path.basename(scan)}: first picture after {first:.2f} s, of {some:,} points; whole after {whole:.2f} s, {points:,} points", flush=True)
+        sheet.figure(os.path.basename(scan), first, "s", points=some, wholeSeconds=whole, wholePoints=points)
+    sheet.write(arguments.json)
 
 
 if __name__ == "__main__":

@@ -23,6 +23,8 @@ import time
 import urllib.error
 import urllib.request
 
+from figures import told
+
 
 def megabytes(size):
     return f"{size / 1e6:.0f} MB"
@@ -49,21 +51,24 @@ def count(text):
     return int(float(text.rstrip("kMG")) * factors.get(text[-1], 1))
 
 
-def speeds(scancast, points, rounds, folder):
+def speeds(scancast, points, rounds, folder, sheet):
     las, scan = os.path.join(folder, "town.las"), os.path.join(folder, "town.scan")
     subprocess.run([scancast, "generate", "town", "--points", points, "-o", las, "--quiet"], check=True)
-    rates = {"without surfels": [], "with surfels": []}
+    rates, last = {"without surfels": [], "with surfels": []}, {}
     for _ in range(rounds):
         for name, flags in (("without surfels", ["--no-surfels"]), ("with surfels", [])):
             seconds, peak, _ = timed([scancast, "ingest", las, "-o", scan, "--force", *flags])
             rates[name].append(count(points) / seconds / 1e6)
+            last[name] = peak, os.path.getsize(scan) / count(points)
             print(f"  {name}: {seconds:.1f} s, peak {megabytes(peak)}, {os.path.getsize(scan) / count(points):.1f} bytes a point")
     for name, values in rates.items():
         print(f"ingest {name}, {points} points, LAS in: {statistics.median(values):.2f} M points/s "
               f"(median of {rounds}; {min(values):.2f}-{max(values):.2f})")
+        sheet.figure(f"ingest {name}", statistics.median(values), "M points/s", low=min(values), high=max(values), points=count(points),
+                     peakBytes=last[name][0], bytesAPoint=last[name][1])
 
 
-def large(scancast, points, limit, surfels, folder):
+def large(scancast, points, limit, surfels, folder, sheet):
     scan = os.path.join(folder, "large.scan")
     flags = [] if surfels else ["--no-surfels"]
     generator = subprocess.Popen([scancast, "generate", "town", "--points", points, "--format", "las14", "-o", "-", "--quiet"],
@@ -75,6 +80,11 @@ def large(scancast, points, limit, surfels, folder):
     print(f"generate | ingest --memory-limit {limit}{'' if surfels else ' --no-surfels'}, {points} points: {seconds:.0f} s "
           f"({count(points) / seconds / 1e6:.2f} M points/s with the generator beside it), peak resident {megabytes(peak)}, "
           f"{size / 1e9:.2f} GB = {size / count(points):.1f} bytes a point")
+    sheet.figure("time, the generator beside it", seconds, "s")
+    sheet.figure("that is", count(points) / seconds / 1e6, "M points/s")
+    sheet.figure(f"peak, of a limit of {limit}", peak / 1e6, "MB")
+    sheet.figure("on disk", size / 1e9, "GB")
+    sheet.figure("bytes a point on disk", size / count(points))
     return scan
 
 
@@ -83,7 +93,7 @@ def resident(process):
         return int(re.search(r"VmHWM:\s+(\d+)", status.read()).group(1)) * 1024
 
 
-def look(scancast, client, scan, limit, folder, frames):
+def look(scancast, client, scan, limit, folder, frames, sheet):
     start = time.monotonic()
     server = subprocess.Popen([scancast, "serve", scan, "--port", "0", "--memory-limit", limit],
                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
@@ -95,16 +105,22 @@ def look(scancast, client, scan, limit, folder, frames):
             cloud = clouds[0]["id"] if clouds else None
             time.sleep(0.005)
         print(f"serve: open {time.monotonic() - start:.2f} s after the start")
+        sheet.figure("served: open after", time.monotonic() - start, "s")
         out = subprocess.run([client, "orbit", url, "--frames", "1", "--moving", "--width", "1280", "--height", "720", "-o", folder],
                              check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         print(f"serve: first picture {time.monotonic() - start:.2f} s after the start")
+        sheet.figure("served: first picture after", time.monotonic() - start, "s")
         urllib.request.urlopen(f"{url}/api/v1/clouds/{cloud}/snapshot.jpg?width=1280&height=720").read()
         print(f"serve: first picture at full quality {time.monotonic() - start:.2f} s after the start")
+        sheet.figure("served: first picture at full quality after", time.monotonic() - start, "s")
         for turn in ("first", "second"):
             out = subprocess.run([client, "orbit", url, "--frames", str(frames), "--moving", "--width", "1280", "--height", "720",
                                   "-o", folder], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-            print(f"orbit, {turn} turn, --memory-limit {limit}: {out.stdout.strip().splitlines()[-1].split(', in ')[0]}")
+            told_orbit = out.stdout.strip().splitlines()[-1].split(", in ")[0]
+            sheet.figure(f"its orbit, live stream, moving quality, {frames} frames, {turn} turn", told_orbit)
+            print(f"orbit, {turn} turn, --memory-limit {limit}: {told_orbit}")
         print(f"serve: peak resident {megabytes(resident(server))}")
+        sheet.figure("served: peak", resident(server) / 1e6, "MB")
     finally:
         server.terminate()
         server.wait(30)
@@ -124,24 +140,27 @@ def main():
     parser.add_argument("--no-surfels", action="store_true")
     parser.add_argument("--frames", type=int, default=360, help="of an orbit")
     parser.add_argument("--folder", help="where to work; by default a temporary folder")
-    arguments = parser.parse_args()
+    told.add_option(parser)
+    arguments, sheet = parser.parse_args(), told.Told()
     scancast, client = (os.path.join(arguments.bin, name) for name in ("scancast", "scancast-client"))
     serve_limit = arguments.serve_limit or arguments.memory_limit
     print(f"{os.cpu_count()} cores")
     with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
         if arguments.large:
-            scan = large(scancast, arguments.large, arguments.memory_limit, not arguments.no_surfels, folder)
-            look(scancast, client, scan, serve_limit, folder, arguments.frames)
+            scan = large(scancast, arguments.large, arguments.memory_limit, not arguments.no_surfels, folder, sheet)
+            look(scancast, client, scan, serve_limit, folder, arguments.frames, sheet)
         elif arguments.cloud:
-            look(scancast, client, arguments.cloud, serve_limit, folder, arguments.frames)
+            look(scancast, client, arguments.cloud, serve_limit, folder, arguments.frames, sheet)
         elif arguments.scan:
             scan = os.path.join(folder, "real.scan")
             seconds, peak, last = timed([scancast, "ingest", arguments.scan, "-o", scan, "--memory-limit", arguments.memory_limit,
                                          *(["--no-surfels"] if arguments.no_surfels else [])])
             print(f"{os.path.basename(arguments.scan)}: {last.split(': ', 1)[-1]}, peak resident {megabytes(peak)}")
-            look(scancast, client, scan, serve_limit, folder, arguments.frames)
+            sheet.figure("ingest", seconds, "s", peakBytes=peak)
+            look(scancast, client, scan, serve_limit, folder, arguments.frames, sheet)
         else:
-            speeds(scancast, arguments.points, arguments.rounds, folder)
+            speeds(scancast, arguments.points, arguments.rounds, folder, sheet)
+    sheet.write(arguments.json)
 
 
 if __name__ == "__main__":

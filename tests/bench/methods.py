@@ -92,12 +92,17 @@ def table(bench, scenes):
     print()
 
 
-def voronoi(bench):
-    text = output_of([os.path.join(bench, "bench_surfel_methods"), "--points", "50000", "--only", "voronoi"])
+def voronoi_rate(program, points=50000):
+    """Frames/s of the smooth discs."""
+    text = output_of([program, "--points", str(points), "--only", "voronoi"])
     found = re.search(r"voronoi, smooth\s+([\d.]+) ms =\s+([\d.]+) frames/s", text)
     if not found:
         sys.exit(f"methods.py: bench_surfel_methods did not tell of voronoi: {text}")
-    fps = float(found.group(2))
+    return float(found.group(2))
+
+
+def voronoi(bench):
+    fps = voronoi_rate(os.path.join(bench, "bench_surfel_methods"))
     print(f"| Voronoi rasterization: 50,000 smooth discs, 1024 × 768 | 10 frames/s | {fps:.1f} frames/s | ≥ 30 frames/s | {verdict(fps >= 30)} |")
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The town of 20 million points: how soon it is seen, how fast it turns, whether it has holes, whether bytes agree.
 
-    tests/bench/town.py [--bin build/release/bin] [--points 20M] [--file town.las]
+    tests/bench/town.py [--bin build/release/bin] [--points 20M] [--file town.las] [--json FILE]
 
 Generates the town (or takes --file), then prints
   - seconds from the start of `scancast serve` to the first picture,
@@ -23,6 +23,8 @@ import urllib.error
 import urllib.request
 import zlib
 
+from figures import told
+
 VIEW = ["--width", "1280", "--height", "720", "--method", "paraboloid", "--detail", "1"]
 
 
@@ -30,11 +32,12 @@ def run(*command, **more):
     return subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, **more).stdout
 
 
-def orbit(scancast, las):
+def orbit(scancast, las, sheet):
     stats = json.loads(run(scancast, "render", las, *VIEW, "--samples", "1", "--repeat", "72", "--orbit", "5", "--stats", "json"))
     stages = ", ".join(f"{stage['name']} {stage['medianMs']:.2f}" for stage in stats["stages"])
     print(f"orbit, tau = 1, view to JPEG: median {stats['medianMs']:.1f} ms = {1000 / stats['medianMs']:.1f} frames/s "
           f"({stats['samples']} samples in the last cut; {stages} ms)")
+    sheet.figure("orbit rendered at τ = 1, paraboloids, view to JPEG", stats["medianMs"], "ms")
 
 
 def transparent_pixels(png):
@@ -56,7 +59,7 @@ def transparent_pixels(png):
     return holes
 
 
-def holes(scancast, las, center, ground, folder):
+def holes(scancast, las, center, ground, folder, sheet):
     png = os.path.join(folder, "ground.png")
     for height, behind in ((6, 3), (15, 6), (40, 10), (60, 1)):
         x, y = center
@@ -64,10 +67,12 @@ def holes(scancast, las, center, ground, folder):
         eye, target = f"{x - behind},{y - behind - 20},{ground + height}", f"{x},{y - 20},{ground}"
         run(scancast, "render", las, *VIEW, "--samples", "1", "--background", "transparent", f"--eye={eye}", f"--target={target}", "-o", png)
         with open(png, "rb") as file:
-            print(f"from {height} m above the street, tau = 1: {transparent_pixels(file.read())} of {1280 * 720} pixels are holes")
+            count = transparent_pixels(file.read())
+        print(f"from {height} m above the street, tau = 1: {count} of {1280 * 720} pixels are holes")
+        sheet.figure(f"holes, from {height} m above the street at τ = 1, of {1280 * 720:,} pixels", count)
 
 
-def serve(scancast, client, las, folder):
+def serve(scancast, client, las, folder, sheet):
     start = time.monotonic()
     server = subprocess.Popen([scancast, "serve", las, "--port", "0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
@@ -83,16 +88,19 @@ def serve(scancast, client, las, folder):
                     raise
                 time.sleep(0.05)
         print(f"first picture {time.monotonic() - start:.1f} s after serve starts ({len(jpeg)} bytes, 4 samples)")
+        sheet.figure("whole scan's first still after `serve` starts, of a LAS file", time.monotonic() - start, "s")
         info = json.load(urllib.request.urlopen(f"{url}/api/v1/clouds/{cloud}"))
         out = run(client, "orbit", url, "--frames", "72", "--moving", "--width", "1280", "--height", "720", "-o", os.path.join(folder, "orbit"))
         print("orbit through the stream, moving quality:", out.decode().strip().splitlines()[-1])
+        if rate := re.search(r"([\d.]+) frames/s", out.decode()):
+            sheet.figure("orbit through the live stream, moving quality", float(rate.group(1)), "frames/s")
         return jpeg, info
     finally:
         server.terminate()
         server.wait(20)
 
 
-def same_bytes(scancast, las, served, folder):
+def same_bytes(scancast, las, served, folder, sheet):
     digests = {"serve": hashlib.sha256(served).hexdigest()}
     jpeg = os.path.join(folder, "view.jpg")
     for threads in ("1", "2"):
@@ -106,6 +114,7 @@ def same_bytes(scancast, las, served, folder):
             with open(jpeg, "rb") as file:
                 digests[f"render {level}, {threads} threads"] = hashlib.sha256(file.read()).hexdigest()
     alike = len(set(digests.values())) == 1
+    sheet.figure(f"the same JPEG from {', '.join(digests)}", alike)
     print(f"the same JPEG from {', '.join(digests)}: {'yes' if alike else 'NO: ' + str(digests)}")
 
 
@@ -115,7 +124,9 @@ def main():
     parser.add_argument("--bin", default=os.path.join(root, "build/release/bin"), help="folder of the scancast programs")
     parser.add_argument("--points", default="20M")
     parser.add_argument("--file", help="a town that is there already")
+    told.add_option(parser)
     arguments = parser.parse_args()
+    sheet = told.Told()
     scancast, client = (os.path.join(arguments.bin, name) for name in ("scancast", "scancast-client"))
     with tempfile.TemporaryDirectory() as folder:
         las = arguments.file or os.path.join(folder, "town.las")
@@ -123,13 +134,16 @@ def main():
             start = time.monotonic()
             run(scancast, "generate", "town", "--points", arguments.points, "-o", las)
             print(f"generated in {time.monotonic() - start:.1f} s")
-        served, info = serve(scancast, client, las, folder)
+            sheet.figure(f"generating it, LAS, {os.path.getsize(las) / 1e6:.0f} MB", time.monotonic() - start, "s")
+        served, info = serve(scancast, client, las, folder, sheet)
         bounds = info["bounds"]
         print(f"{info['points']} points, {info['bytesResident'] / info['points']:.1f} bytes a point in memory, {os.cpu_count()} cores")
-        orbit(scancast, las)
+        sheet.figure("bytes a point in memory", info["bytesResident"] / info["points"])
+        orbit(scancast, las, sheet)
         center = [(bounds["min"][axis] + bounds["max"][axis]) / 2 for axis in range(2)]
-        holes(scancast, las, center, bounds["min"][2], folder)
-        same_bytes(scancast, las, served, folder)
+        holes(scancast, las, center, bounds["min"][2], folder, sheet)
+        same_bytes(scancast, las, served, folder, sheet)
+    sheet.write(arguments.json)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ there is no GPU) under a virtual screen. Prints medians, the ratios that the pro
 at least 40 x and 5 px paraboloids at least 15 x; on a software OpenGL driver point at least 6 x), and how far the cpu
 device is from this machine's memory bandwidth.
 
-    tests/bench/vs_vtk.py [--backend cpu|egl|osmesa] [--bin build/release/bin]
+    tests/bench/vs_vtk.py [--backend cpu|egl|osmesa] [--bin build/release/bin] [--json FILE]
                           [--bandwidth build/bench/bench/memory_bandwidth]
 
 Needs Debian's python3-vtk9, python3-numpy, xvfb (deploy/packages/bench.txt).
@@ -20,6 +20,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+from figures import told
 
 WIDTH, HEIGHT, POINTS, ROUNDS, FRAMES = 1280, 720, 2_000_000, 5, 10
 EYE, FOV = (0.0, -3.0, 0.6), 45.0  # the unit sphere fills most of the picture
@@ -105,44 +107,51 @@ def main():
     parser.add_argument("--backend", choices=["cpu", "egl", "osmesa"], default="cpu", help="Scancast's device")
     parser.add_argument("--bin", default=os.path.join(root, "build/release/bin"), help="folder of the scancast program")
     parser.add_argument("--bandwidth", default=os.path.join(root, "build/bench/bench/memory_bandwidth"))
+    parser.add_argument("--points", type=int, default=POINTS)
+    parser.add_argument("--rounds", type=int, default=ROUNDS)
+    told.add_option(parser)
     parser.add_argument("--vtk", nargs=2, metavar=("PLY", "SIZE"), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.vtk:
         print(vtk_frames(arguments.vtk[0], float(arguments.vtk[1])))
         return
-    scancast = os.path.join(arguments.bin, "scancast")
+    scancast, points, rounds, sheet = os.path.join(arguments.bin, "scancast"), arguments.points, arguments.rounds, told.Told()
     on_cpu = arguments.backend == "cpu"
     cases = [("point", 1, ["--method", "point"], 40 if on_cpu else 6),
              ("paraboloid 5 px", 5, ["--method", "paraboloid", "--param", "sizePx=5"], 15 if on_cpu else None)]
     with tempfile.TemporaryDirectory() as folder:
         ply = os.path.join(folder, "sphere.ply")
-        subprocess.run([scancast, "generate", "sphere", "--points", str(POINTS), "--order", "random", "-o", ply],
+        subprocess.run([scancast, "generate", "sphere", "--points", str(points), "--order", "random", "-o", ply],
                        check=True, stderr=subprocess.DEVNULL)
         bandwidth = None
         if on_cpu and os.path.exists(arguments.bandwidth):
             bandwidth = float(subprocess.run([arguments.bandwidth], check=True, stdout=subprocess.PIPE).stdout)
-        print(f"{arguments.backend}: {POINTS} points, {WIDTH} x {HEIGHT}, {os.cpu_count()} cores, medians of {ROUNDS} "
+        print(f"{arguments.backend}: {points} points, {WIDTH} x {HEIGHT}, {os.cpu_count()} cores, medians of {rounds} "
               "rounds in turn")
         for name, size, flags, promised in cases:
             ours, theirs, ratios = [], [], []
-            for _ in range(ROUNDS):
+            for _ in range(rounds):
                 vtk = float(subprocess.run(["xvfb-run", "-a", sys.executable, __file__, "--vtk", ply, str(size)],
                                            check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout)
                 own, stats = scancast_frames(scancast, ply, arguments.backend, flags)
                 theirs.append(vtk)
                 ours.append(own)
                 ratios.append(vtk / own)
-            rate = POINTS / statistics.median(ours) / 1000
+            rate = points / statistics.median(ours) / 1000
             stages = ", ".join(f"{stage['name']} {stage['medianMs']:.2f}" for stage in stats["stages"])
             promise = f"; promised {promised} x" if promised else ""
             print(f"{name}: Scancast {statistics.median(ours):.2f} ms ({rate:.0f} Mpts/s), "
-                  f"VTK {statistics.median(theirs):.1f} ms ({POINTS / statistics.median(theirs) / 1000:.1f} Mpts/s): "
+                  f"VTK {statistics.median(theirs):.1f} ms ({points / statistics.median(theirs) / 1000:.1f} Mpts/s): "
                   f"{statistics.median(ratios):.1f} x ({min(ratios):.1f} - {max(ratios):.1f}{promise})")
             print(f"  stages of the last round, ms: {stages}")
+            sheet.figure(name, statistics.median(ratios), "x", low=min(ratios), high=max(ratios), least=promised, points=points,
+                         reached=statistics.median(ratios) >= promised if promised else None, oursMs=statistics.median(ours),
+                         theirsMs=statistics.median(theirs), bandwidth=bandwidth, rate=rate)
             if bandwidth:
                 limit = bandwidth * 1000 / 16
                 print(f"  {100 * rate / limit:.1f} % of the memory-bandwidth limit "
                       f"({bandwidth:.1f} GB/s read / 16 B a sample = {limit:.0f} Mpts/s)")
+    sheet.write(arguments.json)
 
 
 if __name__ == "__main__":

@@ -26,23 +26,24 @@ class Sheet:
     """Prints figures as they come, and keeps them."""
 
     def __init__(self):
-        self.rows, self.failures = [], []
+        self.rows, self.failures, self.title = [], [], ""
 
     def part(self, title):
+        self.title = title
         print(f"\n{title}", flush=True)
 
     def figure(self, name, value, unit="", most=None, least=None, digits=1):
         """A number with the mark that it must not exceed, or fall below; without a mark it only informs."""
         mark = most if most is not None else least
         reached = None if mark is None else value <= most if most is not None else value >= least
-        self.rows.append({"name": name, "value": value, "unit": unit, "most": most, "least": least, "reached": reached})
+        self.rows.append({"part": self.title, "name": name, "value": value, "unit": unit, "most": most, "least": least, "reached": reached})
         verdict = "" if mark is None else f"   {'<=' if most is not None else '>='} {mark:g}: {'reached' if reached else 'MISSED'}"
         print(f"  {name:<66} {value:>10.{digits}f} {unit:<9}{verdict}", flush=True)
 
     def promise(self, name, kept):
         """What must hold on any machine, in any time."""
         print(f"  {name:<66} {'yes' if kept else 'NO':>10}", flush=True)
-        self.rows.append({"name": name, "value": bool(kept), "reached": bool(kept)})
+        self.rows.append({"part": self.title, "name": name, "value": bool(kept), "reached": bool(kept)})
         if not kept:
             self.failures.append(name)
 

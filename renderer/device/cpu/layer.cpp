@@ -15,6 +15,10 @@ namespace {
 constexpr std::uint32_t sliceSamples = 16384;
 /// More tiles than threads, so that all threads end at about the same time.
 constexpr int tilesPerThread = 3;
+/// Of all frames that are drawn at once: 12 bytes each, colours, depths and normals. Four frames of 1920 x 1080.
+constexpr std::int64_t mostPixelsAtOnce = std::int64_t{1} << 23;
+/// Blocks of keys that the passes of one frame need at most: nearest, silhouette, cell.
+constexpr int keyBlocks = 3;
 /// Of a look-up from ordinals to runs: how many ordinals share a place to begin.
 constexpr int ordinalShift = 10;
 
@@ -185,7 +189,11 @@ bool Layer::splatRun(TileDrawing& at, const PreparedRun& prepared, SplatRun slic
         if (prepared.run.limits != nullptr) slice.limits = prepared.run.limits + at.sample / limitsStep;
         slice.count = std::min(sliceSamples, prepared.run.count - at.sample);
         slice.firstOrdinal = prepared.run.firstOrdinal + at.sample;
-        const std::uint32_t done = kernels_.splat(pass, slice, at.target);
+        std::uint32_t done = slice.count;
+        if (at.frameCount > 1)
+            kernels_.splatFrames(pass, slice, at.frames.data(), at.frameCount);
+        else
+            done = kernels_.splat(pass, slice, at.target);
         if (pass.reduction == Reduction::Sum && done < slice.count)
             emptySums(at.target, colorPlanes + (pass.sumNormals ? normalPlanes : 0), *at.memory);
         at.sample += done;
@@ -194,18 +202,24 @@ bool Layer::splatRun(TileDrawing& at, const PreparedRun& prepared, SplatRun slic
     return true;
 }
 
+/// Whether everything in a part of the tile lies in front of that order.
+bool Layer::hidesRun(const TileDrawing& at, const Rect& part, std::int32_t frontOrder) const {
+    const auto hides = [&](KeyTile tile) {
+        if (tile.visible != nullptr) tile.keys = const_cast<Key*>(tile.visible);
+        return kernels_.hidden(tile, part.x0 - tile.x, part.y0 - tile.y, part.x1 - tile.x, part.y1 - tile.y,
+                               frontOrder);
+    };
+    if (at.frameCount == 1) return hides(at.target);
+    return std::all_of(at.frames.begin(), at.frames.begin() + at.frameCount,
+                       [&](const FrameTile& frame) { return hides(frame.tile); });
+}
+
 bool Layer::drawRuns(TileDrawing& at, const SplatPass& pass) {
-    const KeyTile& target = at.target;
-    KeyTile visible = target;
-    if (target.visible != nullptr) visible.keys = const_cast<Key*>(target.visible);
     for (; at.run < at.tile->runs.size(); ++at.run) {
         const PreparedRun& prepared = runs_[at.tile->runs[at.run]];
         const PassSize& size = prepared.sizes[at.pass];
         const Rect part = prepared.bounds.intersect(at.tile->area);
-        if (at.sample == 0 && kernels_.hidden(visible, part.x0 - target.x, part.y0 - target.y,
-                                              part.x1 - target.x, part.y1 - target.y, size.frontOrder)) {
-            continue;
-        }
+        if (at.sample == 0 && hidesRun(at, part, size.frontOrder)) continue;
         SplatRun slice = prepared.run;
         slice.sizeFactor = size.sizeFactor;
         slice.largestPx = size.largestPx;
@@ -217,15 +231,22 @@ bool Layer::drawRuns(TileDrawing& at, const SplatPass& pass) {
     return true;
 }
 
-void Layer::begin(TileDrawing& at, const Tile& tile) {
+/// `frames`: which are drawn at once, if there are several.
+void Layer::begin(TileDrawing& at, const Tile& tile, std::span<const FrameDrawing> frames) {
     TileMemory* const memory = at.memory;
     at = {};
     at.memory = memory;
     at.tile = &tile;
     at.empty = emptyTile(tile.area);
-    grown(memory->keys, static_cast<std::size_t>(at.empty.planeSize + unusedKeys) * 3);
+    at.frameCount = std::max(1, static_cast<int>(frames.size()));
+    grown(memory->keys, static_cast<std::size_t>(at.empty.planeSize + unusedKeys) *
+                            static_cast<std::size_t>(std::max(keyBlocks, at.frameCount)));
     memory->wide.clear();
     at.nearest = at.colors = withKeys(at.empty, *memory, 0);
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+        const SplatPass& pass = frames[f].passes.front();
+        at.frames[f] = {pass.centerX, pass.centerY, withKeys(at.empty, *memory, static_cast<int>(f))};
+    }
 }
 
 void Layer::beginPass(TileDrawing& at, const SplatPass& pass) {
@@ -239,6 +260,7 @@ void Layer::beginPass(TileDrawing& at, const SplatPass& pass) {
                 at.silhouette = at.target.keys;
             }
             kernels_.clear(at.target);
+            for (int f = 1; f < at.frameCount; ++f) kernels_.clear(at.frames[std::size_t(f)].tile);
             break;
         case Reduction::Sum: {
             const int count = colorPlanes + (pass.sumNormals ? normalPlanes : 0);
@@ -262,7 +284,8 @@ void Layer::beginPass(TileDrawing& at, const SplatPass& pass) {
 }
 
 /// False: the slice is over, and the tile is not done.
-bool Layer::goOn(TileDrawing& at, const FrameDrawing& frame) {
+bool Layer::goOn(TileDrawing& at, std::span<const FrameDrawing> frames) {
+    const FrameDrawing& frame = frames.front();
     auto start = Workers::Clock::now();
     const auto spend = [&](std::size_t on) {
         const auto now = Workers::Clock::now();
@@ -280,8 +303,12 @@ bool Layer::goOn(TileDrawing& at, const FrameDrawing& frame) {
             return false;
         }
     }
-    resolveTile(at.nearest, at.colors, frame.passes.back(), wideSums(at.nearest, *at.memory), frame.planes,
-                frame.owners);
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+        const FrameDrawing& one = frames[f];
+        const KeyTile& nearest = f == 0 ? at.nearest : at.frames[f].tile;
+        resolveTile(nearest, f == 0 ? at.colors : nearest, one.passes.back(),
+                    wideSums(at.nearest, *at.memory), one.planes, one.owners);
+    }
     spend(frame.passes.size());
     at.tile = nullptr;
     return true;
@@ -326,25 +353,40 @@ void Layer::smooth(const SplatPass& pass, const Planes& planes, const Owners& ow
     });
 }
 
-void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats) {
-    std::vector<SplatPass> passes = splats_;
-    for (SplatPass& pass : passes) pass = jittered(pass, layerView_, jitter);
+/// Sprites, whose samples are drawn in one pass.
+int Layer::framesAtOnce(std::int64_t pixels) const {
+    const bool sprites = splats_.size() == 1 && splats_.front().shape != SplatShape::Disc &&
+                         splats_.front().shape != SplatShape::Ellipse;
+    if (together_ != nullptr || !sprites || passes_.resolve.smooth) return 1;
+    return static_cast<int>(std::clamp(mostPixelsAtOnce / std::max<std::int64_t>(1, pixels), std::int64_t{1},
+                                       std::int64_t{mostFrames}));
+}
+
+void Layer::draw(std::span<const glm::dvec2> jitters, std::span<const Planes> planes, FrameStats& stats) {
+    std::vector<FrameDrawing> frames(jitters.size());
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+        FrameDrawing& frame = frames[f];
+        frame.passes = splats_;
+        for (SplatPass& pass : frame.passes) pass = jittered(pass, layerView_, jitters[f]);
+        frame.planes = planes[f];
+        if (passes_.resolve.smooth && frame.planes.owners != nullptr)
+            frame.owners = frame.planes.owners->around(frame.planes.area);
+    }
     for (auto& time : spent_) time = 0;
-    Owners owners;
-    if (passes_.resolve.smooth && planes.owners != nullptr) owners = planes.owners->around(planes.area);
-    const FrameDrawing frame{passes, planes, owners};
     if (together_ != nullptr)
-        drawTogether(frame, stats);
+        drawTogether(frames.front(), stats);
     else
-        drawAlone(frame, stats);
-    if (owners.places == nullptr || workers_.stopped()) return;
+        drawAlone(frames, stats);
+    const FrameDrawing& frame = frames.front();
+    if (frame.owners.places == nullptr || workers_.stopped()) return;
     const auto smoothing = workers_.now();
-    const Planes seen = together_ != nullptr ? own(planes) : planes;
-    smooth(passes.front(), seen, movedBy(owners, 0, seen.area.y0 - planes.area.y0));
+    const Planes seen = together_ != nullptr ? own(frame.planes) : frame.planes;
+    smooth(frame.passes.front(), seen, movedBy(frame.owners, 0, seen.area.y0 - frame.planes.area.y0));
     stats.add("smooth", workers_.millisecondsSince(smoothing));
 }
 
-void Layer::drawAlone(const FrameDrawing& frame, FrameStats& stats) {
+void Layer::drawAlone(std::span<const FrameDrawing> frames, FrameStats& stats) {
+    const std::vector<SplatPass>& passes = frames.front().passes;
     const auto start = workers_.now();
     std::vector<TileDrawing> drawings(std::min(tiles_.size(), memories_.size()));
     for (std::size_t i = 0; i < drawings.size(); ++i) drawings[i].memory = memories_[i].get();
@@ -355,9 +397,9 @@ void Layer::drawAlone(const FrameDrawing& frame, FrameStats& stats) {
             if (at.tile == nullptr) {
                 const std::size_t tile = next++;
                 if (tile >= tiles_.size()) return true;
-                begin(at, tiles_[tile]);
+                begin(at, tiles_[tile], frames.size() > 1 ? frames : std::span<const FrameDrawing>{});
             }
-            if (!goOn(at, frame)) return false;
+            if (!goOn(at, frames)) return false;
             if (workers_.sliceIsOver()) return next >= tiles_.size();
         }
         return true;
@@ -366,8 +408,8 @@ void Layer::drawAlone(const FrameDrawing& frame, FrameStats& stats) {
     const double passed = workers_.millisecondsSince(start);
     std::int64_t all = 0;
     for (const auto& time : spent_) all += time;
-    for (std::size_t i = 0; i <= frame.passes.size(); ++i) {
-        stats.add(i < frame.passes.size() ? nameOf(frame.passes[i]) : "resolve",
+    for (std::size_t i = 0; i <= passes.size(); ++i) {
+        stats.add(i < passes.size() ? nameOf(passes[i]) : "resolve",
                   passed * double(spent_[i]) / double(std::max<std::int64_t>(1, all)));
     }
 }

@@ -1,5 +1,5 @@
-// One cut seen from one viewpoint: its runs made ready once, then drawn once per jittered frame, tile by tile
-// through all splat passes, into planes of pixels. A picture is a layer; every mirror that it shows is
+// One cut seen from one viewpoint: its runs made ready once, then drawn once per jittered frame - of sprites, several frames
+// at once - tile by tile through all splat passes, into planes of pixels. A picture is a layer; every mirror that it shows is
 // another. Made for one draw(), on the render thread. Where others draw the same picture's other samples, it is
 // drawn pass by pass instead, with what they agree on in between (layer_together.cpp).
 #pragma once
@@ -66,10 +66,16 @@ class Layer {
     Layer(const Drawing& drawing, const CutView& view, const LayerView& layerView, const FramePasses& passes,
           const Kernels& kernels, const Workers& workers, TileMemories& memories, const Rect& area,
           Together* together = nullptr);
-    /// Splats and resolves one frame; `planes` cover the layer's area. Together with others only own() of them are
+    /// How many frames whose planes have so many pixels draw() takes at once, at least 1. More of them at a time share the work of
+    /// reading, filtering, colouring and projecting samples, and take more memory.
+    int framesAtOnce(std::int64_t pixels) const;
+    /// Splats and resolves a frame for each jitter; `planes` cover the layer's area. Together with others only own() of them are
     /// filled. Adds to the stages "nearest", "sum", "cell", "resolve" and "smooth", and together "wait" - until all have
     /// done a pass - and "reduce".
-    void draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats);
+    void draw(std::span<const glm::dvec2> jitters, std::span<const Planes> planes, FrameStats& stats);
+    void draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats) {
+        draw({&jitter, 1}, {&planes, 1}, stats);
+    }
     /// Together with others, once drawn: rows of the area that this device finishes; and the part of such planes that it sees.
     Rows ownRows() const { return bands_.of(together_->reduction->number()); }
     Planes own(const Planes& planes) const;
@@ -93,15 +99,18 @@ class Layer {
         std::uint32_t sample = 0;
         KeyTile target;  ///< of the pass, once it has begun
         bool begun = false;
+        /// Several frames at once: the target of each.
+        std::array<FrameTile, mostFrames> frames;
+        int frameCount = 1;
     };
     /// What is the same for all tiles of a frame.
     struct FrameDrawing {
-        std::span<const SplatPass> passes;
-        const Planes& planes;
-        const Owners& owners;
+        std::vector<SplatPass> passes;
+        Planes planes;
+        Owners owners;
     };
 
-    void drawAlone(const FrameDrawing& frame, FrameStats& stats);
+    void drawAlone(std::span<const FrameDrawing> frames, FrameStats& stats);
     void drawTogether(const FrameDrawing& frame, FrameStats& stats);
     Rows rows() const { return {0, area_.height()}; }
     /// The rows that a device finishes; those that it sees.
@@ -124,9 +133,10 @@ class Layer {
     void addToOwners(std::vector<TileDrawing>& drawings, const SplatPass& pass, std::uint64_t magnitudes);
     void resolveTogether(std::vector<TileDrawing>& drawings, const FrameDrawing& frame);
     void joinSamples(const std::vector<TileDrawing>& drawings, const Planes& planes, const Owners& owners);
-    void begin(TileDrawing& at, const Tile& tile);
-    bool goOn(TileDrawing& at, const FrameDrawing& frame);
+    void begin(TileDrawing& at, const Tile& tile, std::span<const FrameDrawing> frames = {});
+    bool goOn(TileDrawing& at, std::span<const FrameDrawing> frames);
     void beginPass(TileDrawing& at, const SplatPass& pass);
+    bool hidesRun(const TileDrawing& at, const Rect& part, std::int32_t frontOrder) const;
     bool drawRuns(TileDrawing& at, const SplatPass& pass);
     bool splatRun(TileDrawing& at, const PreparedRun& prepared, SplatRun slice, const SplatPass& pass);
     void resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,

@@ -50,20 +50,20 @@ void Picture::divideScreen() {
 }
 
 /// `out`: of the window; without depth where none is wanted of this frame.
-Planes Picture::framePlanes(const Planes& out) {
+Planes Picture::framePlanes(const Planes& out, LayerMemory& memory) {
     Planes planes;
     planes.area = area_;
     const std::size_t pixels = pixelsOf(area_);
-    if (passes_.normals()) planes.normals = grown(buffers_.frame.normals, pixels);
-    if (passes_.resolve.smooth) planes.owners = &buffers_.frame.owners;
+    if (passes_.normals()) planes.normals = grown(memory.normals, pixels);
+    if (passes_.resolve.smooth) planes.owners = &memory.owners;
     if (same(area_, window_)) {
         planes.rgba = out.rgba;
         planes.depth = out.depth;
     } else {
-        planes.rgba = grown(buffers_.frame.rgba, pixels);
+        planes.rgba = grown(memory.rgba, pixels);
     }
     const bool needed = !passes_.screen.empty() || !mirrors_.empty() || !same(area_, window_);
-    if (planes.depth == nullptr && needed) planes.depth = grown(buffers_.frame.depth, pixels);
+    if (planes.depth == nullptr && needed) planes.depth = grown(memory.depth, pixels);
     return planes;
 }
 
@@ -144,8 +144,14 @@ void Picture::onMirrors(FrameStats& stats, const Work& work) {
 }
 
 void Picture::drawFrame(Layer& layer, const glm::dvec2& jitter, const Planes& out, FrameStats& stats) {
-    const Planes planes = framePlanes(out);
+    const Planes planes = framePlanes(out, buffers_.frames.front());
     layer.draw(jitter, planes, stats);
+    finishFrame(layer, jitter, planes, out, stats);
+}
+
+/// Once its layer has been drawn into `planes`.
+void Picture::finishFrame(Layer& layer, const glm::dvec2& jitter, const Planes& planes, const Planes& out,
+                          FrameStats& stats) {
     if (together() != nullptr && !divided_) {
         Planes resolved = planes;
         if (!passes_.resolve.normals) resolved.normals = nullptr;
@@ -168,16 +174,26 @@ void Picture::accumulate(const Layer& layer, const std::uint32_t* rgba) {
 
 void Picture::drawAveraged(Layer& layer, const Planes& out, FrameStats& stats) {
     const std::size_t pixels = pixelsOf(window_);
-    Planes one = out;
-    one.rgba = grown(buffers_.one, pixels);
     buffers_.sums.assign(pixels * 4, 0);
-    for (const glm::dvec2& jitter : drawing_.jitter) {
-        drawFrame(layer, jitter, one, stats);
-        if (workers_.stopped()) return;
-        one.depth = nullptr;  // the first frame's
-        const auto start = workers_.now();
-        accumulate(layer, one.rgba);
-        stats.add("average", workers_.millisecondsSince(start));
+    const auto atOnce =
+        static_cast<std::size_t>(layer.framesAtOnce(std::int64_t{area_.width()} * area_.height()));
+    std::array<Planes, mostFrames> outs, planes;
+    for (std::size_t first = 0; first < drawing_.jitter.size(); first += atOnce) {
+        const auto jitters = drawing_.jitter.subspan(first, std::min(atOnce, drawing_.jitter.size() - first));
+        for (std::size_t f = 0; f < jitters.size(); ++f) {
+            outs[f] = out;
+            if (first + f > 0) outs[f].depth = nullptr;  // the first frame's
+            outs[f].rgba = grown(buffers_.averaged[f], pixels);
+            planes[f] = framePlanes(outs[f], buffers_.frames[f]);
+        }
+        layer.draw(jitters, {planes.data(), jitters.size()}, stats);
+        for (std::size_t f = 0; f < jitters.size(); ++f) {
+            if (!workers_.stopped()) finishFrame(layer, jitters[f], planes[f], outs[f], stats);
+            if (workers_.stopped()) return;
+            const auto start = workers_.now();
+            accumulate(layer, outs[f].rgba);
+            stats.add("average", workers_.millisecondsSince(start));
+        }
     }
     const auto start = workers_.now();
     std::uint8_t* const mean = reinterpret_cast<std::uint8_t*>(out.rgba);

@@ -2,6 +2,7 @@
 // draw() and thrown away with it, on the render thread; the tasks that it starts run in the device's arena.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -15,12 +16,12 @@ namespace scancast::cpu {
 /// Buffers that live as long as the device, so that pictures do not wait for fresh memory.
 struct Buffers {
     TileMemories tiles;
-    LayerMemory frame;  ///< of a frame with its margin
+    std::array<LayerMemory, mostFrames> frames;  ///< with their margins
     std::vector<std::unique_ptr<LayerMemory>> mirrors;
     ScreenMemory screen;
     LayerMemory sun;  ///< its map of shadows
     Together together;
-    std::vector<std::uint32_t> one;  ///< a frame to be averaged
+    std::array<std::vector<std::uint32_t>, mostFrames> averaged;  ///< frames that are to be
     std::vector<std::uint16_t> sums;
     std::vector<std::uint32_t> rgba;  ///< of the window, where others show it
     std::vector<float> depth;
@@ -36,10 +37,12 @@ class Picture {
   private:
     Together* together() { return buffers_.together.reduction != nullptr ? &buffers_.together : nullptr; }
     Planes windowPlanes(Frame& frame);
-    Planes framePlanes(const Planes& out);
+    Planes framePlanes(const Planes& out, LayerMemory& memory);
     template <class Work>
     void onMirrors(FrameStats& stats, const Work& work);
     void drawFrame(Layer& layer, const glm::dvec2& jitter, const Planes& out, FrameStats& stats);
+    void finishFrame(Layer& layer, const glm::dvec2& jitter, const Planes& planes, const Planes& out,
+                     FrameStats& stats);
     void makeMirrors();
     void divideScreen();
     void collect(Layer& layer, const Planes& planes, FrameStats& stats, Receivers to = Receivers::WhoShows);

@@ -2,7 +2,7 @@
 """How fast points leave a server: exports of all of a cloud, in each format, and profiles along a folded line of a kilometre;
 with the memory that the server had at the most. Reads and forgets, as fast as it comes.
 
-    tests/bench/export/points.py CLOUD.scan [--memory-limit 2G] [--most 10000000] [--rounds 3]
+    tests/bench/export/points.py CLOUD.scan [--memory-limit 2G] [--most 10000000] [--rounds 3] [--json FILE]
 """
 import argparse
 import json
@@ -14,6 +14,9 @@ import time
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..")
 sys.path.insert(0, os.path.join(ROOT, "tests", "load"))
 import serving
+
+sys.path.insert(0, os.path.join(ROOT, "tests", "bench"))
+from figures import told
 
 
 def folded_line(low, high, length, margin=0.05):
@@ -63,7 +66,8 @@ def main():
     parser.add_argument("--length", type=float, default=1000, help="of the profile's line")
     parser.add_argument("--width", type=float, default=1)
     parser.add_argument("--rounds", type=int, default=3)
-    arguments = parser.parse_args()
+    told.add_option(parser)
+    arguments, sheet = parser.parse_args(), told.Told()
     flags = ["--memory-limit", arguments.memory_limit] if arguments.memory_limit else []
     with tempfile.TemporaryFile() as log:
         server = serving.Server(arguments.scancast, arguments.cloud, 4, log, *flags)
@@ -88,8 +92,11 @@ def main():
                 most = max(most, server.resident())
             best = sorted(times)[len(times) // 2]
             print(f"{what:8} {body['format']:4} {points:>12,} points {size / 1e6:9.1f} MB {best:7.2f} s {points / best / 1e6:7.2f} M points/s")
+            sheet.figure(f"{what}, {body['format'].upper()}", best, "s", low=min(times), high=max(times), points=points, bytes=size)
         print(f"resident at the most {most / 1e6:.0f} MB")
+        sheet.figure("the server's memory at the most", most / 1e6, "MB")
         server.stop()
+    sheet.write(arguments.json)
 
 
 if __name__ == "__main__":

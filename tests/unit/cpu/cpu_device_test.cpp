@@ -182,6 +182,31 @@ TEST_F(CpuDeviceTest, BackgroundsAreColourGradientOrNothing) {
     EXPECT_EQ(pixel(open, 32, 24), (Rgb8{200, 100, 50}));
 }
 
+/// Draws it at once, and one by one.
+void expectTheMean(Device& device, Scene& scene, const std::vector<glm::dvec2>& jitter) {
+    std::vector<Frame> frames;
+    for (const glm::dvec2& j : jitter) {
+        scene.drawing.jitter = {&j, 1};
+        frames.push_back(mustDraw(device, scene.drawing));
+    }
+    scene.drawing.jitter = jitter;
+    const Frame mean = mustDraw(device, scene.drawing);
+    const int count = static_cast<int>(jitter.size());
+    EXPECT_EQ(mean.depth, frames[0].depth);
+    for (std::size_t i = 0; i < mean.depth.size(); ++i) {
+        int covered = 0, sum[3] = {};
+        for (const Frame& f : frames) {
+            if (f.rgba[4 * i + 3] == 0) continue;
+            ++covered;
+            for (int c = 0; c < 3; ++c) sum[c] += f.rgba[4 * i + c];
+        }
+        ASSERT_EQ(mean.rgba[4 * i + 3], (covered * 255 + count / 2) / count);
+        for (int c = 0; c < 3 && covered > 0; ++c)
+            ASSERT_EQ(mean.rgba[4 * i + c], (sum[c] + covered / 2) / covered);
+    }
+}
+
+// Frames of sprites are drawn some at a time: three are fewer than that, and seven are some and some more.
 TEST_F(CpuDeviceTest, AveragesTheFramesAsIfDrawnOneByOne) {
     Numbers numbers(5);
     std::vector<AnalyticPoint> points(3000);
@@ -190,32 +215,17 @@ TEST_F(CpuDeviceTest, AveragesTheFramesAsIfDrawnOneByOne) {
         p.rgb = numbers.color();
     }
     const AnalyticCloud cloud(points, 0.1, 500);
-    const glm::dvec2 jitter[] = {{0, 0.17}, {-0.25, -0.17}, {0.25, -0.39}};
-    for (const bool lit : {false, true}) {
-        for (const auto kind : {Background::Kind::Gradient, Background::Kind::Transparent}) {
-            Scene scene(view_, cloud.cut(), sprite(Footprint::Circle, Profile::Paraboloid, 2.5f));
-            if (lit) scene.addEyeDome();
-            scene.drawing.background = Background{};
-            scene.drawing.background.kind = kind;
-            std::vector<Frame> frames;
-            for (const glm::dvec2& j : jitter) {
-                scene.drawing.jitter = {&j, 1};
-                frames.push_back(mustDraw(*device_, scene.drawing));
-            }
-            scene.drawing.jitter = jitter;
-            const Frame mean = mustDraw(*device_, scene.drawing);
-            EXPECT_EQ(mean.depth, frames[0].depth);
-            for (std::size_t i = 0; i < mean.depth.size(); ++i) {
-                int covered = 0, sum[3] = {};
-                for (const Frame& f : frames) {
-                    if (f.rgba[4 * i + 3] == 0) continue;
-                    ++covered;
-                    for (int c = 0; c < 3; ++c) sum[c] += f.rgba[4 * i + c];
-                }
-                ASSERT_EQ(mean.rgba[4 * i + 3], (covered * 255 + 1) / 3);
-                for (int c = 0; c < 3 && covered > 0; ++c) {
-                    ASSERT_EQ(mean.rgba[4 * i + c], (sum[c] + covered / 2) / covered);
-                }
+    const std::vector<glm::dvec2> three = {{0, 0.17}, {-0.25, -0.17}, {0.25, -0.39}};
+    const std::vector<glm::dvec2> seven = {{0, 0.17},       {-0.25, -0.17}, {0.25, -0.39}, {0.4, 0.4},
+                                           {-0.49, 0.0625}, {0.1, 0.2},     {0, 0}};
+    for (const auto& jitter : {three, seven}) {
+        for (const float px : {1.0f, 2.5f, 12.0f}) {
+            for (const auto kind : {Background::Kind::Gradient, Background::Kind::Transparent}) {
+                Scene scene(view_, cloud.cut(), sprite(Footprint::Circle, Profile::Paraboloid, px));
+                if (px < 2) scene.addEyeDome();
+                scene.drawing.background = Background{};
+                scene.drawing.background.kind = kind;
+                expectTheMean(*device_, scene, jitter);
             }
         }
     }

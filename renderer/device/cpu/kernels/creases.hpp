@@ -40,8 +40,8 @@ struct Unpacked {
 template <int lanes>
 struct DiscThere {
     float x, y, z;
-    Float<lanes> right;
-    float up, half;
+    Float<lanes> right, up;
+    float half;
 };
 
 /// What becomes of a disc that lies behind a visible one of another direction: each lane 0 or -1.
@@ -54,7 +54,7 @@ struct Verdict {
 /// `gap`: px along the ray (u, v, -1) from the visible one to the disc.
 template <int lanes>
 inline Verdict<lanes> meet(Int<lanes> visible, const DiscThere<lanes>& disc, Float<lanes> gap, Float<lanes> u,
-                           float v) {
+                           Float<lanes> v) {
     using F = Float<lanes>;
     const Unpacked<lanes> n(visible);
     const F pxPerStep = F{} + disc.half * (1 / offsetSteps);

@@ -12,8 +12,8 @@
 #include "renderer/device/cpu/kernels/screen.hpp"
 #include "renderer/device/cpu/kernels/shade.hpp"
 #include "renderer/device/cpu/kernels/smooth.hpp"
-#include "renderer/device/cpu/kernels/splat.hpp"
-#include "renderer/device/cpu/kernels/splat_sums.hpp"
+#include "renderer/device/cpu/kernels/sprites/nearest.hpp"
+#include "renderer/device/cpu/kernels/sprites/sums.hpp"
 #include "renderer/device/cpu/kernels/surfels.hpp"
 
 #if SCANCAST_SIMD_LEVEL == 4
@@ -27,34 +27,33 @@
 namespace scancast::cpu::SCANCAST_SIMD_NAMESPACE {
 namespace {
 
-/// Sprites of the shape, nearest.
-template <Shape shape>
-std::uint32_t nearest(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {
-    splatSprites<shape>(pass, run, tile);
-    return run.count;
+void splatFrames(const SplatPass& pass, const SplatRun& run, const FrameTile* frames, int count) {
+    switch (pass.shape) {
+        case Shape::FlatSquare:
+            return splatSprites<Shape::FlatSquare>(pass, run, frames, count);
+        case Shape::FlatCircle:
+            return splatSprites<Shape::FlatCircle>(pass, run, frames, count);
+        case Shape::ParaboloidSquare:
+            return splatSprites<Shape::ParaboloidSquare>(pass, run, frames, count);
+        case Shape::ParaboloidCircle:
+            return splatSprites<Shape::ParaboloidCircle>(pass, run, frames, count);
+        case Shape::ConeSquare:
+            return splatSprites<Shape::ConeSquare>(pass, run, frames, count);
+        case Shape::ConeCircle:
+            return splatSprites<Shape::ConeCircle>(pass, run, frames, count);
+        case Shape::SphereCircle:
+            return splatSprites<Shape::SphereCircle>(pass, run, frames, count);
+        case Shape::Disc:
+        case Shape::Ellipse:
+            return;  // not sprites
+    }
 }
 
 std::uint32_t splat(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {
-    switch (pass.shape) {
-        case Shape::FlatSquare:
-            return nearest<Shape::FlatSquare>(pass, run, tile);
-        case Shape::FlatCircle:
-            return pass.reduction == Reduction::Sum ? sumCircles(pass, run, tile)
-                                                    : nearest<Shape::FlatCircle>(pass, run, tile);
-        case Shape::ParaboloidSquare:
-            return nearest<Shape::ParaboloidSquare>(pass, run, tile);
-        case Shape::ParaboloidCircle:
-            return nearest<Shape::ParaboloidCircle>(pass, run, tile);
-        case Shape::ConeSquare:
-            return nearest<Shape::ConeSquare>(pass, run, tile);
-        case Shape::ConeCircle:
-            return nearest<Shape::ConeCircle>(pass, run, tile);
-        case Shape::SphereCircle:
-            return nearest<Shape::SphereCircle>(pass, run, tile);
-        case Shape::Disc:
-        case Shape::Ellipse:
-            return splatSurfels(pass, run, tile);
-    }
+    if (isSurfel(pass.shape)) return splatSurfels(pass, run, tile);
+    if (pass.reduction == Reduction::Sum) return sumCircles(pass, run, tile);
+    const FrameTile frame{pass.centerX, pass.centerY, tile};
+    splatFrames(pass, run, &frame, 1);
     return run.count;
 }
 
@@ -63,6 +62,7 @@ std::uint32_t splat(const SplatPass& pass, const SplatRun& run, const KeyTile& t
 const Kernels kernels = {
     .clear = clear,
     .splat = splat,
+    .splatFrames = splatFrames,
     .hidden = hidden,
     .resolve = resolve,
     .resolveSamples = resolveSamples,

@@ -21,9 +21,12 @@ using SampleWords = std::uint32_t[4];
 
 /// order << 32 | payload (pass.hpp). Orders are positive floats, so signed comparison sorts keys.
 using Key = std::int64_t;
-inline constexpr Key emptyKey = 0x7fffffffffffffff;
 /// Bits of +infinity; an order at or above it means "no splat here".
 inline constexpr std::int32_t infiniteOrder = 0x7f800000;
+/// Such an order; not a number, so that no comparison of depths holds. Keys with it are numbers if taken for doubles, as all
+/// keys are: these sort in the same order, and processors have an instruction for the smaller of two.
+inline constexpr std::int32_t emptyOrder = 0x7fbfffff;
+inline constexpr Key emptyKey = Key{emptyOrder} << 32 | 0xffffffff;
 
 using Shape = SplatShape;
 using Coloring = SplatColoring;
@@ -73,6 +76,15 @@ struct KeyTile {
     std::int32_t* sums = nullptr;
     std::int64_t planeSize = 0;
 };
+
+/// The same tile of one of the frames that are averaged: they differ in where the view axis lies, px in the whole picture.
+struct FrameTile {
+    float centerX = 0, centerY = 0;
+    KeyTile tile;
+};
+/// So many frames are drawn at once, at most.
+inline constexpr int mostFrames = 4;
+
 inline constexpr int colorPlanes = 4, normalPlanes = 3;
 inline constexpr int largestWeight = 4095;
 /// A colour has 8 bits; normals get as many and a sign, so all planes overflow together.
@@ -188,6 +200,8 @@ struct Kernels {
     /// How many samples of the run are done. Less than all only for sums: then some pixel is nearly full
     /// (fullSum), and the planes must be emptied before the rest follows.
     std::uint32_t (*splat)(const SplatPass&, const SplatRun&, const KeyTile&);
+    /// Sprites, nearest, into all of these: samples are read, filtered, coloured and projected once.
+    void (*splatFrames)(const SplatPass&, const SplatRun&, const FrameTile* frames, int count);
     /// Whether every pixel of [x0, x1) × [y0, y1) (tile-relative) already lies in front of an order of these
     /// bits.
     bool (*hidden)(const KeyTile&, int x0, int y0, int x1, int y1, std::int32_t orderBits);

@@ -16,7 +16,8 @@ inline constexpr int tailStep = 16;
 /// Aligned as a whole: an alignment on an array's elements keeps the compiler from vectorising.
 struct alignas(64) Block {
     std::uint32_t words[4][blockSize];
-    float x[blockSize], y[blockSize];  ///< px in the whole picture
+    float across[blockSize], down[blockSize];  ///< px from the view axis
+    float x[blockSize], y[blockSize];          ///< px in the whole picture, once placeBlock() has been asked
     float depth[blockSize];
     float ratio[blockSize];            ///< of the sample's radius to the run's plain one
     float half[blockSize];             ///< half the splat's size, px
@@ -24,15 +25,31 @@ struct alignas(64) Block {
     std::uint32_t color[blockSize];    ///< or, where keys carry them, ordinals
     int count = 0;                     ///< samples
     int padded = 0;  ///< count up to a multiple of tailStep; the samples beyond are not drawable
+    /// Which sample stands where: numberIn(). Neighbours of a run lie beside each other in the picture, too, and a processor waits
+    /// where it reads what a store before has written in part; spread out, a vector's samples are far from each other.
+    bool spread = false;
 };
+
+/// How far a vector's samples lie from each other in a spread block.
+inline constexpr int spreadStep = blockSize / 8;
+
+/// The number in the block, counted in the run's order, of what stands at a place of its arrays.
+inline int numberIn(const Block& b, int at) {
+    return b.spread ? ((at & 3) * 2 + ((at >> 2) & 1)) * spreadStep + (at >> 3) : at;
+}
 
 /// Four samples at a time: rows of words → columns.
 inline void transposeSamples(const SplatRun& run, std::uint32_t first, Block& b) {
     const int whole = b.count & ~3;
     const SampleWords* const samples = run.samples + first;
+    const int step = b.spread ? 2 * spreadStep : 1;
     const auto sample = [samples](int i) { return load<Ints4>(samples + i); };
     for (int i = 0; i < whole; i += 4) {
-        const Ints4 s0 = sample(i), s1 = sample(i + 1), s2 = sample(i + 2), s3 = sample(i + 3);
+        // A line of the cache at a time, of the block after this one.
+        __builtin_prefetch(samples + blockSize + i);
+        const int at = numberIn(b, i);
+        const Ints4 s0 = sample(at), s1 = sample(at + step), s2 = sample(at + 2 * step),
+                    s3 = sample(at + 3 * step);
         const Ints4 low01 = __builtin_shufflevector(s0, s1, 0, 4, 1, 5);
         const Ints4 low23 = __builtin_shufflevector(s2, s3, 0, 4, 1, 5);
         const Ints4 high01 = __builtin_shufflevector(s0, s1, 2, 6, 3, 7);
@@ -54,9 +71,10 @@ inline void setRatios(const SplatPass& pass, const SplatRun& run, Block& b) {
         for (int i = 0; i < b.padded; ++i) b.ratio[i] = 1.0f;
         return;
     }
-    for (int i = 0; i < b.padded; ++i) {
-        const float radius = pass.radii[(b.words[3][i] >> 16) & 255];
-        b.ratio[i] = radius > 0.0f ? radius * run.ratioUnit : 1.0f;
+    for (int i = 0; i < b.padded; ++i) b.ratio[i] = pass.radii[(b.words[3][i] >> 16) & 255];
+    for (int i = 0; i < b.padded; i += wideLanes) {
+        const FloatW radius = load<FloatW>(b.ratio + i);
+        store(b.ratio + i, radius > 0.0f ? radius * run.ratioUnit : all(1.0f));
     }
 }
 
@@ -80,11 +98,10 @@ inline FloatW sizeOfSprites(const SplatPass& pass, const SplatRun& run, FloatW r
     return smaller(larger(wanted, all(pass.minPx)), all(pass.maxPx));
 }
 
-/// Places, depths and sizes. What is not drawable keeps finite numbers, so that nothing later needs care.
-template <bool perspective>
-void place(const SplatPass& pass, const SplatRun& run, Block& b) {
-    // Far outside any picture, and still exact as an integer.
-    const FloatW outside = all(1048576.0f);
+/// Depths, and places and sizes as seen from the view axis. What is not drawable keeps finite depths, so that nothing later
+/// needs care.
+template <bool perspective, bool sized>
+void project(const SplatPass& pass, const SplatRun& run, Block& b) {
     const IntW count = all(b.count);
     IntW number = toInt(laneNumbers<wideLanes>());
     for (int i = 0; i < b.padded; i += wideLanes, number += wideLanes) {
@@ -92,14 +109,23 @@ void place(const SplatPass& pass, const SplatRun& run, Block& b) {
         const IntW seen = (c.depth >= pass.near) & (c.depth <= pass.far) & (number < count);
         const FloatW d = seen ? c.depth : all(1.0f);
         const FloatW inverse = perspective ? 1.0f / d : all(1.0f);
-        const FloatW x = pass.centerX + c.across * inverse;
-        const FloatW y = pass.centerY + c.down * inverse;
-        const FloatW size = sizeOfSprites(pass, run, load<FloatW>(b.ratio + i), inverse);
+        store(b.across + i, c.across * inverse);
+        store(b.down + i, c.down * inverse);
+        store(b.depth + i, d);
+        if constexpr (sized)
+            store(b.half + i, 0.5f * sizeOfSprites(pass, run, load<FloatW>(b.ratio + i), inverse));
+        store(b.drawable + i, seen);
+    }
+}
+
+/// Where the samples lie in a picture whose view axis lies there.
+inline void placeBlock(float centerX, float centerY, Block& b) {
+    // Far outside any picture, and still exact as an integer.
+    const FloatW outside = all(1048576.0f);
+    for (int i = 0; i < b.padded; i += wideLanes) {
+        const FloatW x = centerX + load<FloatW>(b.across + i), y = centerY + load<FloatW>(b.down + i);
         store(b.x + i, smaller(larger(x, -outside), outside));
         store(b.y + i, smaller(larger(y, -outside), outside));
-        store(b.depth + i, d);
-        store(b.half + i, 0.5f * size);
-        store(b.drawable + i, seen);
     }
 }
 
@@ -155,7 +181,7 @@ inline void filterByRegions(const SplatRun& run, Block& b) {
 inline void filterByTurn(const SplatRun& run, std::uint32_t first, Block& b) {
     const std::uint32_t base = (run.firstOrdinal + first) * run.turnStep + run.turnBase;
     for (int i = 0; i < b.padded; ++i) {
-        const std::uint32_t turn = base + static_cast<std::uint32_t>(i) * run.turnStep;
+        const std::uint32_t turn = base + static_cast<std::uint32_t>(numberIn(b, i)) * run.turnStep;
         b.drawable[i] &= turn <= run.lastTurn ? -1 : 0;
     }
 }
@@ -205,6 +231,9 @@ inline float curvatureIndex(const SplatPass& pass, const SplatRun& run, std::uin
 /// The block's first sample is the run's `first`.
 inline void colorize(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
     const auto* const words = b.words;
+    const auto beside = [&](int i) {
+        return besideAt(run, first + static_cast<std::uint32_t>(numberIn(b, i)));
+    };
     switch (pass.coloring) {
         case Coloring::Rgb:
             for (int i = 0; i < b.padded; ++i) b.color[i] = words[2][i] & 0xffffff;
@@ -240,15 +269,11 @@ inline void colorize(const SplatPass& pass, const SplatRun& run, std::uint32_t f
             return;
         case Coloring::Curvature:
             for (int i = 0; i < b.count; ++i)
-                b.color[i] = tableEntry(
-                    pass.ramp,
-                    curvatureIndex(pass, run, besideAt(run, first + static_cast<std::uint32_t>(i))));
+                b.color[i] = tableEntry(pass.ramp, curvatureIndex(pass, run, beside(i)));
             return;
         case Coloring::Infrared:
             for (int i = 0; i < b.count; ++i)
-                b.color[i] =
-                    toned(pass.ramp,
-                          infraredRgb(words[2][i], besideAt(run, first + static_cast<std::uint32_t>(i))));
+                b.color[i] = toned(pass.ramp, infraredRgb(words[2][i], beside(i)));
             return;
     }
 }
@@ -257,16 +282,19 @@ inline void brighten(const SplatPass& pass, Block& b) {
     for (int i = 0; i < b.padded; ++i) b.color[i] = brightened(pass, b.color[i], b.words[1][i]);
 }
 
-inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
+/// Everything but places in the picture. `sized`: ratios and sizes, too, of samples that are spread if the block is full.
+template <bool sized>
+void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
     const std::uint32_t left = run.count - first;
     b.count = left < blockSize ? static_cast<int>(left) : blockSize;
     b.padded = (b.count + tailStep - 1) & ~(tailStep - 1);
+    b.spread = sized && b.count == blockSize;
     transposeSamples(run, first, b);
-    setRatios(pass, run, b);
+    if (sized) setRatios(pass, run, b);
     if (pass.perspective) {
-        place<true>(pass, run, b);
+        project<true, sized>(pass, run, b);
     } else {
-        place<false>(pass, run, b);
+        project<false, sized>(pass, run, b);
     }
     if (pass.classes != nullptr) filterByClass(pass, b);
     if (!pass.outliers) filterOutliers(b);
@@ -275,7 +303,7 @@ inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t 
     if (run.lastTurn != 0xffffffffu) filterByTurn(run, first, b);
     if (pass.payload == SplatPayload::Sample) {
         for (int i = 0; i < b.padded; ++i)
-            b.color[i] = run.firstOrdinal + first + static_cast<std::uint32_t>(i);
+            b.color[i] = run.firstOrdinal + first + static_cast<std::uint32_t>(numberIn(b, i));
     } else if (pass.payload == SplatPayload::Color) {
         colorize(pass, run, first, b);
         if (pass.byIntensity) brighten(pass, b);

@@ -90,7 +90,7 @@ inline IntW placeCodes(FloatW away) {
     return toInt(smaller(larger(code, all(0.0f)), all(lastPlace)));
 }
 
-/// Whose sprites pixels of a row of the picture show, placed and sized as place() of project.hpp does it.
+/// Whose sprites pixels of a row of the picture show, placed and sized as project() and placeBlock() of project.hpp do it.
 inline void storeOwners(const SplatPass& pass, const SamplePlaces& places, const ResolvedPixels& p,
                         std::int32_t px, std::int32_t py, const Owners& out, std::int64_t at, int lanes) {
     const FloatW depth = load<FloatW>(p.depth), radii = load<FloatW>(p.radii);

@@ -7,25 +7,29 @@
 namespace scancast::cpu {
 namespace {
 
+/// Lanes are pixels of one row, or of two: the second half of them may lie elsewhere, `second` keys after the first.
+template <int lanes>
+inline constexpr std::int64_t sameRow = lanes / 2;
+
 /// Depths of `lanes` keys; not a number where there is none, so that no comparison holds.
 template <int lanes>
-inline Float<lanes> loadOrders(const Key* place) {
+inline Float<lanes> loadOrders(const Key* place, std::int64_t second = sameRow<lanes>) {
     if constexpr (lanes == wideLanes) {
         IntW order, payload;
-        loadKeys(place, order, payload);
+        loadKeys(place, place + second, order, payload);
         return reinterpret_cast<Float<lanes>>(order);
     } else {
-        const Ints4 first = load<Ints4>(place), second = load<Ints4>(place + 2);
-        return reinterpret_cast<Float<4>>(__builtin_shufflevector(first, second, 1, 3, 5, 7));
+        const Ints4 low = load<Ints4>(place), high = load<Ints4>(place + 2);
+        return reinterpret_cast<Float<4>>(__builtin_shufflevector(low, high, 1, 3, 5, 7));
     }
 }
 
 /// Their payloads.
 template <int lanes>
-inline Int<lanes> loadPayloads(const Key* place) {
+inline Int<lanes> loadPayloads(const Key* place, std::int64_t second = sameRow<lanes>) {
     if constexpr (lanes == wideLanes) {
         IntW order, payload;
-        loadKeys(place, order, payload);
+        loadKeys(place, place + second, order, payload);
         return payload;
     } else {
         return __builtin_shufflevector(load<Ints4>(place), load<Ints4>(place + 2), 0, 2, 4, 6);
@@ -90,17 +94,45 @@ inline Ints8 smallProduct(Ints8 a, Ints8 b) {
 }
 #endif
 
+/// `lanes` sums; their second half so many after the first.
+template <int lanes>
+inline Int<lanes> loadSums(const std::int32_t* place, [[maybe_unused]] std::int64_t second) {
+#if SCANCAST_SIMD_LEVEL >= 3
+    if constexpr (lanes == 8) {
+        if (second != sameRow<lanes>)
+            return __builtin_shufflevector(load<Ints4>(place), load<Ints4>(place + second), 0, 1, 2, 3, 4, 5,
+                                           6, 7);
+    }
+#endif
+    return load<Int<lanes>>(place);
+}
+
+template <int lanes>
+inline void storeSums(std::int32_t* place, Int<lanes> sums, [[maybe_unused]] std::int64_t second) {
+#if SCANCAST_SIMD_LEVEL >= 3
+    if constexpr (lanes == 8) {
+        if (second != sameRow<lanes>) {
+            store(place, __builtin_shufflevector(sums, sums, 0, 1, 2, 3));
+            store(place + second, __builtin_shufflevector(sums, sums, 4, 5, 6, 7));
+            return;
+        }
+    }
+#endif
+    store(place, sums);
+}
+
 /// Adds `weight` times the addends at an offset (from pixel 0, 0) of the tile, normals the other way round where `turned`;
-/// `full` collects where sums are nearly full.
+/// `full` collects where sums are nearly full. `second`: as above.
 template <int lanes, bool normals, bool turns>
 inline void addFragments(const KeyTile& tile, std::int64_t offset, Int<lanes> weight,
-                         const Addends<lanes>& addends, Int<lanes> turned, Int<lanes>& full) {
+                         const Addends<lanes>& addends, Int<lanes> turned, Int<lanes>& full,
+                         std::int64_t second = sameRow<lanes>) {
     // Read before anything is written: it might be the tile itself, as far as the compiler knows.
     std::int32_t* place = tile.sums + offset;
     const std::int64_t step = tile.planeSize;
     const auto add = [&](Int<lanes> value) {
-        const Int<lanes> sum = load<Int<lanes>>(place) + value;
-        store(place, sum);
+        const Int<lanes> sum = loadSums<lanes>(place, second) + value;
+        storeSums<lanes>(place, sum, second);
         place += step;
         return sum;
     };

@@ -20,8 +20,8 @@ inline Float<lanes> bell(Float<lanes> x) {
     return p * p;
 }
 
-/// `extra`: Nearest carries colours in its keys; Sum adds normals.
-template <Shape shape, Reduction reduction, bool perspective, bool extra, int lanes>
+/// `extra`: Nearest carries colours in its keys; Sum adds normals. `rows`: how many the lanes are pixels of, one or two.
+template <Shape shape, Reduction reduction, bool perspective, bool extra, int lanes, int rows>
 class SurfelFragments {
     using F = Float<lanes>;
     using I = Int<lanes>;
@@ -32,6 +32,8 @@ class SurfelFragments {
     static constexpr bool turning = sums && extra && !disc;  ///< normals may turn across the surfel
 
   public:
+    static constexpr int columns = lanes / rows;
+
     SurfelFragments(const SplatPass& pass, const Block& b, const Surfels& s, int i, const KeyTile& tile)
         : tile_(tile),
           addends_(sums ? b.color[i] : 0),
@@ -71,20 +73,22 @@ class SurfelFragments {
             pixelsPerUnit_ = pass.pixelsPerUnit;
             axisX_ = pass.centerX;
             axisY_ = pass.centerY;
-            here_ = {s.normalX[i], s.normalY[i], s.normalZ[i], F{}, 0, s.half[i]};
+            here_ = {s.normalX[i], s.normalY[i], s.normalZ[i], F{}, F{}, s.half[i]};
         }
         if constexpr (sums && extra) addends_.setNormal(s.normalX[i], s.normalY[i], s.normalZ[i]);
         if constexpr (turning) setBend(s, i);
     }
 
-    /// Starts rows of lanes at this column of the picture; those beyond `last` are left alone by sums.
-    void startColumns(std::int32_t column, std::int32_t last) {
-        middle_ = static_cast<float>(column) + 0.5f + laneNumbers<lanes>();
+    /// Starts rows of lanes at this column of the picture; those beyond `last` and `lastRow` are left alone by sums.
+    void startColumns(std::int32_t column, std::int32_t last, std::int32_t lastRow) {
+        lastRow_ = lastRow;
+        const F numbers = laneNumbers<lanes>() - rowNumbers() * static_cast<float>(columns);
+        middle_ = static_cast<float>(column) + 0.5f + numbers;
         dx_ = middle_ - x_;
         if (disc && nearest && surfaces_) column_ = payload_ | offsetBits<lanes>(-dx_ * stepsPerPx_) << 24;
-        const I columns = __builtin_convertvector(laneNumbers<lanes>(), I) + column;
-        center_ = columns == centerColumn_;
-        if constexpr (sums) inside_ = columns <= last;
+        const I places = __builtin_convertvector(numbers, I) + column;
+        center_ = places == centerColumn_;
+        if constexpr (sums) inside_ = places <= last;
         sdx_ = sx_ * dx_;
         if constexpr (disc) {
             tdx_ = tx_ * dx_;
@@ -96,42 +100,51 @@ class SurfelFragments {
             for (int a = 0; a < 3 && bent_; ++a) rowNormal_[a] = normal_[a] + right_[a] * dx_;
     }
 
-    /// The row's lanes, at this offset from the tile's pixel (0, 0).
+    /// The lanes of a row, or of two, at this offset from the tile's pixel (0, 0).
     void draw(std::int64_t offset, std::int32_t row) {
-        const F visible = loadOrders<lanes>((nearest ? tile_.keys : tile_.visible) + offset);
+        const F visible = loadOrders<lanes>((nearest ? tile_.keys : tile_.visible) + offset, second());
         // Hidden: nothing of it needs to be computed. Without a depth, which is not a number, comparisons do
         // not hold: there the nearest pass draws, and the others do not.
         if (!anyOf<lanes>(nearest ? ~(visible < front_) : visible >= front_)) return;
-        const float dy = (static_cast<float>(row) + 0.5f) - y_;
+        const F y = (static_cast<float>(row) + rowNumbers()) + 0.5f, dy = y - y_;
         const F s = sdx_ + sy_ * dy;
         F t, c;
         if constexpr (disc) {
             t = tdx_ + ty_ * dy;
             c = slopeX_ * t + (perspective ? F{} + 1.0f : depth_);
         } else {
-            t = F{} + ty_ * dy;
+            t = ty_ * dy;
             const F on = tdx_ + slopeY_ * dy;
             const F above = on > low_ ? on : low_;
             c = above < high_ ? above : high_;
         }
         const F square = s * s + t * t;
         I covered = square <= (disc && perspective ? c * c : F{} + 1.0f);
-        const I center = center_ & (row == centerRow_ ? -1 : 0);
+        const I center = center_ & (__builtin_convertvector(rowNumbers(), I) + row == centerRow_);
         // The centre's pixel is covered anyway, at the centre's depth.
         covered |= center;
         c = center ? (perspective ? F{} + 1.0f : depth_) : c;
         covered &= perspective ? depth_ >= near_ * c : c >= F{} + near_;
-        reduce(offset, static_cast<float>(row) + 0.5f, visible, square, c, covered);
+        if constexpr (sums && rows > 1) covered &= __builtin_convertvector(rowNumbers(), I) + row <= lastRow_;
+        reduce(offset, y, visible, square, c, covered);
     }
 
     bool full() const { return sums && anyOf<lanes>(full_); }
 
   private:
+    /// Of each lane, counted from the first.
+    static F rowNumbers() {
+        if constexpr (rows == 2) return F{0, 0, 0, 0, 1, 1, 1, 1};
+        return F{};
+    }
+    /// From the first half of the lanes to the second, in keys and sums.
+    std::int64_t second() const { return rows == 2 ? tile_.stride : sameRow<lanes>; }
+
     /// `c`: depth = d / c in perspective, else the depth itself; `y`: of the pixels' centres.
-    void reduce(std::int64_t offset, float y, F visible, F square, F c, I covered) {
+    void reduce(std::int64_t offset, F y, F visible, F square, F c, I covered) {
         if constexpr (sums && disc) covered &= notBehind(visible, c, tolerance_);
         if (tile_.silhouette != nullptr) {
-            const F border = loadOrders<lanes>(tile_.silhouette + offset);
+            const F border = loadOrders<lanes>(tile_.silhouette + offset, second());
             // Where there is none, it is not a number, and no comparison holds.
             covered &= ~(perspective ? depth_ > border * c : c > border);
         }
@@ -148,14 +161,18 @@ class SurfelFragments {
                 order = depthOf(c);
             }
             const F positive = order > 1.17549435e-38f ? order : F{} + 1.17549435e-38f;
-            const I bits = covered ? reinterpret_cast<I>(positive) : I{} + 0x7fffffff;
-            storeNearest(tile_.keys + offset, bits, below);
+            const I bits = covered ? reinterpret_cast<I>(positive) : I{} + emptyOrder;
+            if constexpr (rows == 2) {
+                storeNearest(tile_.keys + offset, tile_.keys + offset + second(), bits, below);
+            } else {
+                storeNearest(tile_.keys + offset, bits, below);
+            }
         }
     }
 
     /// Where what is visible faces another way: which of the two is the surface.
-    void seeCreases(std::int64_t offset, float y, F visible, F c, I& covered, F& order, I& below) {
-        const I surface = loadPayloads<lanes>(tile_.visible + offset);
+    void seeCreases(std::int64_t offset, F y, F visible, F c, I& covered, F& order, I& below) {
+        const I surface = loadPayloads<lanes>(tile_.visible + offset, second());
         const I different = surface_.agreement(surface) < sameSide;
         // What is visible is one of them, so none lies before it.
         covered &= notBehind(visible, c, different ? tolerance_ : sheet_);
@@ -165,7 +182,7 @@ class SurfelFragments {
         here_.up = y - y_;
         const F gap = (depthOf(c) - visible) * pixelsPerUnit_ / (perspective ? visible : F{} + 1.0f);
         const F u = perspective ? (middle_ - axisX_) * unitsPerPx_ : F{};
-        const float v = perspective ? (axisY_ - y) * unitsPerPx_ : 0.0f;
+        const F v = perspective ? (axisY_ - y) * unitsPerPx_ : F{};
         const Verdict<lanes> verdict = meet<lanes>(surface, here_, gap, u, v);
         covered &= ~(other & verdict.shunned);
         order = other & verdict.wins ? order * creasePriority : order;
@@ -173,9 +190,9 @@ class SurfelFragments {
     }
 
     /// Adds what belongs to the surface that is visible there, as that surface itself says.
-    void add(std::int64_t offset, float dy, F visible, F square, F c, I covered) {
+    void add(std::int64_t offset, F dy, F visible, F square, F c, I covered) {
         if (disc && !anyOf<lanes>(covered)) return;
-        const I surface = loadPayloads<lanes>(tile_.surfaces + offset);
+        const I surface = loadPayloads<lanes>(tile_.surfaces + offset, second());
         F share = F{} + 1.0f;
         if constexpr (disc) {
             // No more than the angle between their normals leaves of it.
@@ -203,9 +220,9 @@ class SurfelFragments {
         const I whole = quantiseWeight<lanes>(weight(square, c) * share, covered);
         if (extra && surface_.mayTurn) {
             const I turned = surface_.turned(surface);
-            addFragments<lanes, extra, true>(tile_, offset, whole, addends_, turned, full_);
+            addFragments<lanes, extra, true>(tile_, offset, whole, addends_, turned, full_, second());
         } else {
-            addFragments<lanes, extra, false>(tile_, offset, whole, addends_, I{}, full_);
+            addFragments<lanes, extra, false>(tile_, offset, whole, addends_, I{}, full_, second());
         }
     }
 
@@ -264,12 +281,12 @@ class SurfelFragments {
     }
 
     /// Where a lane is not covered it means nothing, but it must stay an integer.
-    I payload(float dy) const {
+    I payload(F dy) const {
         if constexpr (!nearest) {
             return payload_;
         } else if constexpr (!extra) {
             if constexpr (!disc) return payload_;
-            return surfaces_ ? column_ | offsetBits<lanes>(F{} + dy * stepsPerPx_) << 28 : payload_;
+            return surfaces_ ? column_ | offsetBits<lanes>(dy * stepsPerPx_) << 28 : payload_;
         } else {
             const F d = (dx_ * dx_ + dy * dy) * distance_;
             const F bounded = d < 255.0f ? d : F{} + 255.0f;
@@ -290,7 +307,7 @@ class SurfelFragments {
     float x_, y_, sy_, ty_, slopeY_ = 0, near_, unitsPerPx_ = 0, pixelsPerUnit_ = 0;
     float stepsPerPx_ = 0, axisX_ = 0, axisY_ = 0;
     bool surfaces_;
-    std::int32_t centerRow_, centerColumn_;
+    std::int32_t centerRow_, centerColumn_, lastRow_ = 0;
 };
 
 }  // namespace

@@ -2,7 +2,7 @@
 // kernels.cpp.
 //
 // A block is looked at as a whole first (surfelsLeftOut), then made ready (surfel_block.hpp), then drawn one
-// surfel after another: small ones as rows of 4 or wideLanes pixels over their exact bounding box, larger
+// surfel after another: small ones as rows of wideLanes pixels, or two of half as many, over their exact bounding box, larger
 // ones row by row between the borders of their outline. How a surfel is drawn depends on nothing but the
 // surfel, so pictures depend on neither tiles nor runs.
 #pragma once
@@ -32,9 +32,9 @@ struct SurfelPainter {
             const int i = s.list[n];
             const int columns = s.x1[i] - s.x0[i] + 1, rows = s.y1[i] - s.y0[i] + 1;
             if (columns <= 4 && rows <= smallRows) {
-                full |= drawSmall<4>(i);
+                full |= drawSmall<wideLanes / 4>(i);
             } else if (columns <= smallColumns && rows <= smallRows) {
-                full |= drawSmall<wideLanes>(i);
+                full |= drawSmall<1>(i);
             } else {
                 full |= drawLarge(i);
             }
@@ -42,23 +42,25 @@ struct SurfelPainter {
         return full;
     }
 
-    template <int lanes>
+    /// So many rows at a time.
+    template <int rows>
     bool drawSmall(int i) const {
-        SurfelFragments<shape, reduction, perspective, extra, lanes> f(pass, b, s, i, tile);
+        SurfelFragments<shape, reduction, perspective, extra, wideLanes, rows> f(pass, b, s, i, tile);
         std::int32_t x0 = s.x0[i], y0 = s.y0[i], x1 = s.x1[i], y1 = s.y1[i];
         // Keys in the guard band are nobody's; sums there would be taken for full ones.
         if (reduction == Reduction::Sum) clip(x0, y0, x1, y1);
-        for (std::int32_t column = x0; column <= x1; column += lanes) {
-            f.startColumns(column, x1);
+        for (std::int32_t column = x0; column <= x1; column += f.columns) {
+            f.startColumns(column, x1, y1);
             std::int64_t offset = offsetOf(column, y0);
-            for (std::int32_t row = y0; row <= y1; ++row, offset += tile.stride) f.draw(offset, row);
+            for (std::int32_t row = y0; row <= y1; row += rows, offset += rows * tile.stride)
+                f.draw(offset, row);
         }
         return f.full();
     }
 
     bool drawLarge(int i) const {
         constexpr int lanes = wideLanes;
-        SurfelFragments<shape, reduction, perspective, extra, lanes> f(pass, b, s, i, tile);
+        SurfelFragments<shape, reduction, perspective, extra, lanes, 1> f(pass, b, s, i, tile);
         std::int32_t x0 = s.x0[i], y0 = s.y0[i], x1 = s.x1[i], y1 = s.y1[i];
         clip(x0, y0, x1, y1);
         const std::int32_t centerRow = static_cast<std::int32_t>(__builtin_floorf(b.y[i]));
@@ -81,7 +83,7 @@ struct SurfelPainter {
             first = first > x0 ? first : x0;
             last = last < x1 ? last : x1;
             for (std::int32_t column = first; column <= last; column += lanes) {
-                f.startColumns(column, last);
+                f.startColumns(column, last, row);
                 f.draw(offsetOf(column, row), row);
             }
         }
@@ -208,7 +210,8 @@ std::uint32_t drawSurfels(const SplatPass& pass, const SplatRun& run, const KeyT
         const int count = left < surfelBlock ? static_cast<int>(left) : surfelBlock;
         if (surfelsLeftOut(pass, run, first, count, tile)) continue;
         part.count = first + static_cast<std::uint32_t>(count);
-        loadBlock(pass, part, first, block);
+        loadBlock<true>(pass, part, first, block);
+        placeBlock(pass.centerX, pass.centerY, block);
         if constexpr (shape == Shape::Disc) {
             setUpDiscs<perspective>(pass, run, block, surfels);
         } else {
@@ -239,6 +242,10 @@ std::uint32_t drawSurfels(const SplatPass& pass, const SplatRun& run, const KeyT
     return pass.payload == SplatPayload::Color
                ? drawSurfels<shape, Reduction::Nearest, true>(pass, run, tile)
                : drawSurfels<shape, Reduction::Nearest, false>(pass, run, tile);
+}
+
+inline bool isSurfel(Shape shape) {
+    return shape == Shape::Disc || shape == Shape::Ellipse;
 }
 
 std::uint32_t splatSurfels(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {

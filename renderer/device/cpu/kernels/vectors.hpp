@@ -39,13 +39,32 @@ inline void store(void* place, Vector v) {
     __builtin_memcpy(place, &v, sizeof v);
 }
 
+/// The smaller of two keys, lane by lane. As doubles (emptyOrder), of which old processors can compare two at once.
+inline Keys2 nearer(Keys2 a, Keys2 b) {
+    typedef double Doubles __attribute__((vector_size(16)));
+    return reinterpret_cast<Keys2>(
+        __builtin_ia32_minpd(reinterpret_cast<Doubles>(a), reinterpret_cast<Doubles>(b)));
+}
+#if SCANCAST_SIMD_LEVEL >= 3
+inline Keys4 nearer(Keys4 a, Keys4 b) {
+    typedef double Doubles __attribute__((vector_size(32)));
+    return reinterpret_cast<Keys4>(
+        __builtin_ia32_minpd256(reinterpret_cast<Doubles>(a), reinterpret_cast<Doubles>(b)));
+}
+#endif
+#if SCANCAST_SIMD_LEVEL >= 4
+inline Keys8 nearer(Keys8 a, Keys8 b) {
+    return a < b ? a : b;
+}
+#endif
+
 template <class Keys>
 inline void keepNearest(Key* place, Keys candidate) {
-    const Keys now = load<Keys>(place);
-    store<Keys>(place, candidate < now ? candidate : now);
+    store<Keys>(place, nearer(candidate, load<Keys>(place)));
 }
 
-/// Keeps, lane by lane, the smaller of the keys at `place` and (order << 32 | payload).
+/// Keeps, lane by lane, the smaller of the keys at `place` and (order << 32 | payload); the second half of the lanes has its keys
+/// at `second`, if it says so.
 inline void storeNearest(Key* place, Ints4 order, Ints4 payload) {
 #if SCANCAST_SIMD_LEVEL >= 3
     keepNearest(place,
@@ -57,15 +76,19 @@ inline void storeNearest(Key* place, Ints4 order, Ints4 payload) {
 }
 
 #if SCANCAST_SIMD_LEVEL >= 3
+inline void storeNearest(Key* place, Key* second, Ints8 order, Ints8 payload) {
+    keepNearest(place,
+                reinterpret_cast<Keys4>(__builtin_shufflevector(payload, order, 0, 8, 1, 9, 2, 10, 3, 11)));
+    keepNearest(second,
+                reinterpret_cast<Keys4>(__builtin_shufflevector(payload, order, 4, 12, 5, 13, 6, 14, 7, 15)));
+}
+
 inline void storeNearest(Key* place, Ints8 order, Ints8 payload) {
 #if SCANCAST_SIMD_LEVEL >= 4
     keepNearest(place, reinterpret_cast<Keys8>(__builtin_shufflevector(payload, order, 0, 8, 1, 9, 2, 10, 3,
                                                                        11, 4, 12, 5, 13, 6, 14, 7, 15)));
 #else
-    keepNearest(place,
-                reinterpret_cast<Keys4>(__builtin_shufflevector(payload, order, 0, 8, 1, 9, 2, 10, 3, 11)));
-    keepNearest(place + 4,
-                reinterpret_cast<Keys4>(__builtin_shufflevector(payload, order, 4, 12, 5, 13, 6, 14, 7, 15)));
+    storeNearest(place, place + 4, order, payload);
 #endif
 }
 /// The widest row of float lanes that one register holds.
@@ -116,15 +139,28 @@ inline FloatW toFloat(IntW v) {
 inline IntW toInt(FloatW v) {
     return __builtin_convertvector(v, IntW);
 }
+/// The second one where either is not a number, as a < b ? a : b has it; the compiler would take two instructions.
 inline FloatW smaller(FloatW a, FloatW b) {
-    return a < b ? a : b;
+#if SCANCAST_SIMD_LEVEL >= 3
+    return __builtin_ia32_minps256(a, b);
+#else
+    return __builtin_ia32_minps(a, b);
+#endif
 }
 inline FloatW larger(FloatW a, FloatW b) {
-    return a > b ? a : b;
+#if SCANCAST_SIMD_LEVEL >= 3
+    return __builtin_ia32_maxps256(a, b);
+#else
+    return __builtin_ia32_maxps(a, b);
+#endif
 }
 inline FloatW floorOf(FloatW v) {
-    const FloatW whole = toFloat(toInt(v));
-    return whole > v ? whole - 1.0f : whole;
+    constexpr int downwards = 1, quietly = 8;
+#if SCANCAST_SIMD_LEVEL >= 3
+    return __builtin_ia32_roundps256(v, downwards | quietly);
+#else
+    return __builtin_ia32_roundps(v, downwards | quietly);
+#endif
 }
 
 /// order << 32 | payload, lane by lane, to an array.
@@ -138,8 +174,8 @@ inline void storeKeys(Key* place, IntW order, IntW payload) {
 #endif
 }
 
-inline void loadKeys(const Key* place, IntW& order, IntW& payload) {
-    const IntW first = load<IntW>(place), second = load<IntW>(place + wideLanes / 2);
+inline void loadKeys(const Key* place, const Key* next, IntW& order, IntW& payload) {
+    const IntW first = load<IntW>(place), second = load<IntW>(next);
 #if SCANCAST_SIMD_LEVEL >= 3
     payload = __builtin_shufflevector(first, second, 0, 2, 4, 6, 8, 10, 12, 14);
     order = __builtin_shufflevector(first, second, 1, 3, 5, 7, 9, 11, 13, 15);
@@ -147,6 +183,10 @@ inline void loadKeys(const Key* place, IntW& order, IntW& payload) {
     payload = __builtin_shufflevector(first, second, 0, 2, 4, 6);
     order = __builtin_shufflevector(first, second, 1, 3, 5, 7);
 #endif
+}
+
+inline void loadKeys(const Key* place, IntW& order, IntW& payload) {
+    loadKeys(place, place + wideLanes / 2, order, payload);
 }
 
 /// The first `count` lanes only; the others are 0.

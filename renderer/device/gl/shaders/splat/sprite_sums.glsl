@@ -1,4 +1,4 @@
-// Circles, blended: the sum pass of hqs (docs/spec/sprites.md section 6), as kernels/splat_sums.hpp adds them.
+// Circles, blended: the sum pass of hqs (docs/spec/sprites.md section 6), as kernels/sprites/sums.hpp adds them.
 struct Footprint {
     ivec4 box;  // first and last pixel
     ivec2 centre;

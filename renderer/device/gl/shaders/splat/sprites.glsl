@@ -1,4 +1,4 @@
-// Sprites, nearest: from a placed sample to the fragments of its key (docs/spec/sprites.md section 3), as kernels/splat.hpp draws
+// Sprites, nearest: from a placed sample to the fragments of its key (docs/spec/sprites.md section 3), as kernels/sprites/nearest.hpp draws
 // them. Variants: SHAPE, SINGLE_PIXEL.
 struct Footprint {
     ivec4 box;  // first and last pixel

@@ -3,7 +3,7 @@
 
 #include "renderer/device/cpu/kernels/bounds.hpp"
 #include "renderer/device/cpu/kernels/project.hpp"
-#include "renderer/device/cpu/kernels/splat.hpp"
+#include "renderer/device/cpu/kernels/sprites/nearest.hpp"
 #include "renderer/device/cpu/kernels/sums.hpp"
 #include "renderer/device/cpu/kernels/surfaces.hpp"
 #include "renderer/device/cpu/kernels/view_normals.hpp"
@@ -62,8 +62,8 @@ void sumCircle(const Block& b, int i, float farthest, const Addends<lanes>& adde
 
 template <int lanes, bool normals>
 bool sumBlock(const SplatPass& pass, bool oriented, const Block& b, const KeyTile& tile) {
-    Splats splats;
-    collectSplats(b, tile, splats);
+    std::int32_t reaches[blockSize];
+    for (int i = 0; i < b.padded; i += wideLanes) store(reaches + i, reachesTile(b, i, tile));
     ViewNormals view;
     std::uint32_t surfaces[blockSize];
     if constexpr (normals) {
@@ -72,7 +72,7 @@ bool sumBlock(const SplatPass& pass, bool oriented, const Block& b, const KeyTil
     }
     Int<lanes> full{};
     for (int i = 0; i < b.count; ++i) {
-        if (splats.reaches[i] == 0) continue;
+        if (reaches[i] == 0) continue;
         float radius = b.half[i] * pass.radiusPerPixel;
         if (pass.perspective) radius *= b.depth[i];
         Addends<lanes> addends(b.color[i]);
@@ -117,7 +117,8 @@ std::uint32_t sumCircles(const SplatPass& pass, const SplatRun& run, const KeyTi
         const std::uint32_t left = run.count - first;
         const int count = left < blockSize ? static_cast<int>(left) : blockSize;
         if (sumLeftOut(pass, run, first, count, tile)) continue;
-        loadBlock(pass, run, first, block);
+        loadBlock<true>(pass, run, first, block);
+        placeBlock(pass.centerX, pass.centerY, block);
         const bool full = pass.sumNormals ? sumBlock<true>(pass, run, block, tile)
                                           : sumBlock<false>(pass, run, block, tile);
         if (full) return first + static_cast<std::uint32_t>(count);

@@ -114,7 +114,9 @@ export class Viewer extends EventTarget {
         this.#movingFrames.begin(message);
         this.#picture.newStream();
         this.#picture.setLimit(message.limits?.maxPixels ?? 0);
-        this.#exchange.moved(hello, this.#session.connection.nextSeq);
+        // The same server remembers what it was asked for last, and does not look at what the hello said.
+        const isRemembered = message.seq !== undefined && message.seq !== hello.seq;
+        this.#exchange.moved(isRemembered ? { ...hello, view: undefined } : hello, this.#session.connection.nextSeq);
         this.#wake();
       },
       frame: (frame) => this.#showFrame(frame),

@@ -15,6 +15,7 @@ import random
 import statistics
 import subprocess
 import tempfile
+import threading
 import time
 
 import serving
@@ -187,6 +188,57 @@ class Load:
         self.sheet.promise(f"{requests} at once: pictures, 304, or 503 with Retry-After ({busy} of these)", honest)
         self.sheet.figure(f"{requests} at once: all answered after", time.perf_counter() - start, "s", digits=2)
 
+    def followers(self):
+        """One is driven by HTTP; others follow it, in the same size, and read all that they are sent."""
+        count = 20 if self.quick else 200
+        self.sheet.part(f"One session of 640 x 360 that is moved 30 times a second, and {count} that follow it")
+        leader = serving.MjpegReaders(self.server)
+        leader.open("width=640&height=360")
+        leader.read(0.5)
+        readers = serving.MjpegReaders(self.server)
+        for _ in range(count):
+            readers.open(f"session={leader.session()}&width=640&height=360")
+        readers.read(3)  # each begins with a picture of its own
+        over = threading.Event()
+        threads = [threading.Thread(target=lambda: self.drive(leader.session(), over)),
+                   threading.Thread(target=lambda: leader.read_until(over))]
+        for thread in threads:
+            thread.start()
+        readers.read(1)
+        before, frames = serving.metrics(self.server), list(readers.counts)
+        readers.read(self.seconds)
+        after, seen = serving.metrics(self.server), list(readers.counts)
+        over.set()
+        for thread in threads:
+            thread.join()
+        leader.close()
+        readers.close()
+
+        def more(name):
+            return after.get(name, 0) - before.get(name, 0)
+
+        figure = self.sheet.figure
+        followed = [now - then for now, then in zip(seen, frames)]
+        figure("frames a second of each follower: median", statistics.median(followed) / self.seconds)
+        figure("frames a second of each follower: least", min(followed) / self.seconds)
+        encoded = more("scancast_frame_encode_seconds_count")
+        figure("encoded, over frames of a follower", encoded / (statistics.median(followed) or 1), most=1.2, digits=2)
+        figure("frames that were shared", 100 * more("scancast_frames_shared_total") / (more("scancast_frames_sent_total") or 1), "%")
+
+    def drive(self, session, over):
+        """A walk around, until it is over."""
+        view = json.loads(self.server.get(f"/api/v1/clouds/{self.server.cloud}")[2])["view"]["camera"]
+        connection, step = self.server.connect(), 0
+        while not over.wait(1 / 30):
+            step += 1
+            eye = [view["eye"][0] + step * 0.02, view["eye"][1], view["eye"][2]]
+            status, _, answer = self.server.get(f"/api/v1/sessions/{session}/view", connection, "POST", json.dumps({"camera": {"eye": eye}}),
+                                                {"Content-Type": "application/json"})
+            if status != 200:
+                self.sheet.failures.append(f"a session could not be driven: {answer[:200].decode(errors='replace')}")
+                return
+        connection.close()
+
     def shaped(self):
         for delay, words in ((50, "100 ms there and back"), (100, "100 ms each way")):
             self.through_line(delay, words)
@@ -224,7 +276,7 @@ class Load:
         self.sheet.promise("final still is the snapshot of its view, byte for byte", same == picture)
 
 
-PARTS = ("moving", "crowd", "idle", "snapshots", "shaped")
+PARTS = ("moving", "crowd", "followers", "idle", "snapshots", "shaped")
 
 
 def cloud_file(scancast, arguments, folder):

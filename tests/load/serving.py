@@ -4,6 +4,8 @@ import json
 import os
 import re
 import resource
+import selectors
+import socket
 import subprocess
 import sys
 import threading
@@ -137,6 +139,55 @@ def bench(client, server, *flags, url=None):
         raise SystemExit(f"{' '.join(command)} ended with {process.returncode}: {''.join(errors)}")
     groups = {group["behaviour"]: group for group in json.loads(report[0])["groups"]}
     return groups, sampler
+
+
+def metrics(server):
+    """What /metrics says, by name; of several series of a name, their sum."""
+    sums = {}
+    for line in server.get("/metrics")[2].decode().splitlines():
+        if line and not line.startswith("#"):
+            name, value = line.rsplit(" ", 1)
+            name = name.split("{")[0]
+            sums[name] = sums.get(name, 0) + float(value)
+    return sums
+
+
+class MjpegReaders:
+    """Streams as MJPEG that are read as they come; of one thread. Counts pictures."""
+
+    def __init__(self, server):
+        self.server, self.selector, self.counts, self.first = server, selectors.DefaultSelector(), [], b""
+
+    def open(self, query):
+        line = socket.create_connection(self.server.address, 60)
+        host = f"{self.server.address[0]}:{self.server.address[1]}"
+        line.sendall(f"GET /api/v1/clouds/{self.server.cloud}/stream.mjpg?{query} HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+        line.setblocking(False)
+        self.selector.register(line, selectors.EVENT_READ, len(self.counts))
+        self.counts.append(0)
+
+    def read(self, seconds):
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            for key, _ in self.selector.select(left):
+                piece = key.fileobj.recv(1 << 20)
+                if not piece:
+                    self.selector.unregister(key.fileobj)
+                    key.fileobj.close()
+                self.first = self.first or piece
+                self.counts[key.data] += piece.count(b"Scancast-Frame:")
+
+    def read_until(self, over):
+        while not over.is_set():
+            self.read(0.1)
+
+    def session(self):
+        """Of the first stream."""
+        return re.search(rb"Scancast-Session: (\w+)", self.first).group(1).decode()
+
+    def close(self):
+        for key in list(self.selector.get_map().values()):
+            key.fileobj.close()
 
 
 class Proxy:

@@ -78,7 +78,7 @@ Expected<ServedCloud> CloudFlags::choose(const std::string& otherwise) const {
 
 void CodecFlag::addTo(CLI::App& app) {
     app.add_option("--codec", name,
-                   "How moving frames come, jpeg or h264: as video they take about a third of the bytes, "
+                   "How moving frames come, jpeg or h264: as video they take about half of the bytes, "
                    "where the server has "
                    "a place for it. Stills are JPEG either way. h264 needs libopenh264-7")
         ->type_name("NAME")

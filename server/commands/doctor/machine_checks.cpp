@@ -97,7 +97,7 @@ void lookAtVideo(const ServeOptions& options, Findings& findings) {
     const std::string text = "moving frames: " + video.text();
     if (options.server.limits.videoSessions == 0 || video.codecs().size() > 1)
         return findings.ok("video", text);
-    findings.warning("video", text + ". They are JPEG, about three times as large",
+    findings.warning("video", text + ". They are JPEG, about twice as large",
                      "install it, or --video-sessions 0 for no video");
 }
 

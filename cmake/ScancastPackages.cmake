@@ -27,4 +27,15 @@ target_include_directories(scancast_geotiff SYSTEM INTERFACE "${SCANCAST_GEOTIFF
 target_link_libraries(scancast_geotiff INTERFACE "${SCANCAST_GEOTIFF_LIBRARY}")
 pkg_check_modules(BROTLI REQUIRED IMPORTED_TARGET libbrotlidec)
 pkg_check_modules(BROTLI_ENCODER REQUIRED IMPORTED_TARGET libbrotlienc)  # while building, and for tests
+# Not required: video for moving frames. Programs open the library at run time, by the soname of the one whose headers they are built with.
+pkg_check_modules(OPENH264 IMPORTED_TARGET openh264)
+if(TARGET PkgConfig::OPENH264)
+  find_library(SCANCAST_OPENH264_LIBRARY openh264 HINTS ${OPENH264_LIBRARY_DIRS} REQUIRED)
+  execute_process(COMMAND "${CMAKE_OBJDUMP}" -p "${SCANCAST_OPENH264_LIBRARY}" OUTPUT_VARIABLE openh264_headers ERROR_QUIET)
+  if(openh264_headers MATCHES "SONAME +([^ \n]+)")
+    set(SCANCAST_OPENH264_SONAME "${CMAKE_MATCH_1}")
+  else()
+    message(FATAL_ERROR "${SCANCAST_OPENH264_LIBRARY} does not say by which name it is opened (objdump -p, SONAME)")
+  endif()
+endif()
 pkg_check_modules(SDL2 IMPORTED_TARGET sdl2)  # not required: the window of scancast-client

@@ -1,4 +1,5 @@
 // client → server: read strictly, printed without what is at its default.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -31,6 +32,29 @@ Expected<ClientMessage> finish(FieldReader& fields, ClientMessage message) {
     return message;
 }
 
+void readCodecs(FieldReader& fields, std::vector<Codec>& codecs) {
+    const auto* list = fields.findValue("codecs");
+    if (!list) return;
+    if (!list->is_array() || list->empty() || list->size() > codecNames.size())
+        return fields.error("codecs", "expected an array of one or two names");
+    std::vector<Codec> read;
+    for (std::size_t i = 0; i < list->size(); ++i) {
+        const json& item = (*list)[i];
+        const std::string key = "codecs[" + std::to_string(i) + "]";
+        if (!item.is_string()) return fields.error(key, "expected the name of a codec");
+        const auto& text = item.get_ref<const std::string&>();
+        const auto codec = codecNamed(text);
+        if (!codec)
+            return fields.error(
+                Error{ErrorCode::InvalidArgument, unknownName(fields.path(key), text, codecNames), key});
+        if (std::ranges::find(read, *codec) != read.end()) return fields.error(key, "is named twice");
+        read.push_back(*codec);
+    }
+    if (std::ranges::find(read, Codec::Jpeg) == read.end())
+        return fields.error("codecs", "must hold \"jpeg\": stills are JPEG for everybody");
+    codecs = std::move(read);
+}
+
 Expected<ClientMessage> readHello(FieldReader& fields) {
     Hello hello;
     fields.text("cloud", hello.cloud);
@@ -48,6 +72,7 @@ Expected<ClientMessage> readHello(FieldReader& fields) {
     fields.integer("seq", hello.seq, 0, UINT64_MAX);
     fields.integer("frame", hello.frame, 0, maxFrameId);
     fields.flag("depth", hello.depth);
+    readCodecs(fields, hello.codecs);
     if (!hello.follow.empty() && !hello.cloud.empty())
         fields.error("follow", "shows its own cloud; leave cloud out");
     if (!hello.follow.empty() && !hello.view.is_null())
@@ -116,6 +141,10 @@ json print(const Hello& hello) {
     if (hello.seq > 0) object["seq"] = hello.seq;
     if (hello.frame > 0) object["frame"] = hello.frame;
     if (hello.depth) object["depth"] = true;
+    if (hello.codecs != std::vector{Codec::Jpeg}) {
+        object["codecs"] = json::array();
+        for (const Codec codec : hello.codecs) object["codecs"].push_back(name(codec));
+    }
     return object;
 }
 

@@ -9,7 +9,7 @@ namespace scancast {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> magic{'S', 'C', 'F', 'R'};
-constexpr unsigned movingBit = 1, stillBit = 2, finalBit = 4, damagedBit = 8, awayBit = 16;
+constexpr unsigned movingBit = 1, stillBit = 2, finalBit = 4, damagedBit = 8, awayBit = 16, keyBit = 32;
 
 /// The table in the header is what readers of other languages copy, so the code follows it too.
 constexpr FrameHeaderField field(std::string_view name) {
@@ -78,11 +78,16 @@ Expected<void> checkStart(std::span<const std::uint8_t> message) {
 }
 
 Expected<void> checkFields(const FrameHeader& header) {
-    if (header.codec != Codec::Jpeg)
+    if (header.codec != Codec::Jpeg && header.codec != Codec::H264)
         return fail(ErrorCode::Unsupported,
                     "the frame has codec " + std::to_string(static_cast<int>(header.codec)) +
-                        ", this program reads 1 (JPEG)",
+                        ", this program reads 1 (JPEG) and 2 (H.264)",
                     "codec");
+    if (header.codec != Codec::Jpeg && !header.moving)
+        return fail(
+            ErrorCode::Malformed,
+            "the frame is a still, and those are JPEG; its codec is " + std::string(name(header.codec)),
+            "codec");
     for (const auto& [name, side] :
          {std::pair<const char*, std::uint32_t>{"width", header.width}, {"height", header.height}})
         if (side < 1 || side > static_cast<std::uint32_t>(maxPictureSide))
@@ -118,7 +123,7 @@ std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& 
     put(bytes, "codec", static_cast<std::uint64_t>(header.codec));
     put(bytes, "flags",
         (header.moving ? movingBit : 0) | (header.still ? stillBit : 0) | (header.final ? finalBit : 0) |
-            (header.damaged ? damagedBit : 0) | (header.away ? awayBit : 0));
+            (header.damaged ? damagedBit : 0) | (header.away ? awayBit : 0) | (header.key ? keyBit : 0));
     put(bytes, "pictureLength", header.pictureLength);
     put(bytes, "frameId", header.frameId);
     put(bytes, "seq", header.seq);
@@ -139,6 +144,7 @@ Expected<ParsedFrame> parseFrame(std::span<const std::uint8_t> message) {
     header.final = (flags & finalBit) != 0;
     header.damaged = (flags & damagedBit) != 0;
     header.away = (flags & awayBit) != 0;
+    header.key = (flags & keyBit) != 0;
     header.pictureLength = get<std::uint32_t>(message, "pictureLength");
     header.frameId = get<std::uint64_t>(message, "frameId");
     header.seq = get<std::uint64_t>(message, "seq");

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -16,7 +17,23 @@
 
 namespace scancast {
 
-enum class Codec : std::uint8_t { Jpeg = 1 };
+/// How a picture is packed. A client gets nothing but JPEG unless its hello says that it can read more.
+enum class Codec : std::uint8_t {
+    Jpeg = 1,
+    H264 =
+        2,  ///< moving frames only: one access unit in Annex B, which needs those before it unless it is a key
+};
+inline constexpr std::array<std::string_view, 2> codecNames{"jpeg", "h264"};
+/// "jpeg"; as messages name it.
+constexpr std::string_view name(Codec codec) {
+    return codecNames[std::size_t(codec) - 1];
+}
+/// Empty for a name that is none.
+constexpr std::optional<Codec> codecNamed(std::string_view text) {
+    for (const Codec codec : {Codec::Jpeg, Codec::H264})
+        if (name(codec) == text) return codec;
+    return std::nullopt;
+}
 
 struct FrameHeader {
     Codec codec = Codec::Jpeg;
@@ -25,6 +42,7 @@ struct FrameHeader {
     bool final = false;    ///< the full-quality still; nothing follows until something changes
     bool damaged = false;  ///< of a final one: it lacks blocks that cannot be read
     bool away = false;     ///< coarser than it would be, for now: a part of the server is out of reach
+    bool key = false;      ///< of video: it needs no frame before it; decoders begin here
     std::uint32_t pictureLength = 0;  ///< bytes of the picture behind the header
     std::uint64_t frameId = 0;        ///< counts a session's frames from 1; what `ack` names
     std::uint64_t seq = 0;            ///< of the `view` that this frame shows; 0 = none yet
@@ -42,8 +60,9 @@ inline constexpr std::array<FrameHeaderField, 13> frameHeaderFields{{
     {"magic", 0, 4},         // "SCFR"
     {"version", 4, 2},       // 1
     {"headerLength", 6, 2},  // 48; larger when fields are appended, as frameDepthFields are
-    {"codec", 8, 1},         // 1 = JPEG
-    {"flags", 9, 1},  // bit 0 moving, 1 still, 2 final, 3 damaged, 4 away; other bits 0, ignored by readers
+    {"codec", 8, 1},         // 1 = JPEG, 2 = H.264
+    {"flags", 9,
+     1},  // bit 0 moving, 1 still, 2 final, 3 damaged, 4 away, 5 key; others 0, ignored by readers
     {"reserved", 10, 2},       // 0, ignored by readers
     {"pictureLength", 12, 4},  // bytes behind the header
     {"frameId", 16, 8},

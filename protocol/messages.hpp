@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "protocol/error.hpp"
+#include "protocol/frame_header.hpp"
 #include "protocol/problem.hpp"
 
 namespace scancast {
@@ -58,6 +59,8 @@ struct Hello {
     std::uint64_t frame = 0;  ///< the newest that arrived of the session of `resume`; numbers go on behind it
     std::string follow;       ///< id of a session whose view is shown; empty = a view of one's own
     bool depth = false;  ///< each frame brings a small picture of its depth (protocol/depth/frame_depth.hpp)
+    /// What this client reads, the best for moving frames first; JPEG is always among them, because stills are JPEG.
+    std::vector<Codec> codecs{Codec::Jpeg};
     bool operator==(const Hello&) const = default;
 };
 
@@ -119,6 +122,10 @@ struct Welcome {
     std::vector<std::string> methods;  ///< names; GET /api/v1/methods has the rest
     Limits limits;
     nlohmann::json view;  ///< complete: what is shown first; of a new session the cloud's default view
+    std::vector<std::string> codecs{"jpeg"};  ///< that this server has, the best for moving frames first
+    std::string movingCodec =
+        "jpeg";                 ///< of this session's moving frames; any of them may be JPEG all the same
+    std::string codecReason{};  ///< a sentence where that is not the first that hello names; else empty
     bool operator==(const Welcome&) const = default;
 };
 

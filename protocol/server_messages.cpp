@@ -56,6 +56,15 @@ Expected<ServerMessage> readWelcome(FieldReader& fields) {
         else
             fields.error("view", "expected an object");
     }
+    if (fields.findValue("codecs")) welcome.codecs.clear();
+    eachEntry(fields, "codecs", 256, [&](const json& item) {
+        if (item.is_string())
+            welcome.codecs.push_back(item.get<std::string>());
+        else
+            fields.error("codecs", "expected names");
+    });
+    fields.text("movingCodec", welcome.movingCodec);
+    fields.text("codecReason", welcome.codecReason, 1024);
     return finish(fields, std::move(welcome));
 }
 
@@ -148,7 +157,10 @@ json print(const Welcome& welcome) {
              {{"maxMessageBytes", welcome.limits.maxMessageBytes},
               {"maxPixels", welcome.limits.maxPixels},
               {"maxUnacknowledged", welcome.limits.maxUnacknowledged}}},
-            {"view", welcome.view.is_object() ? welcome.view : json::object()}};
+            {"view", welcome.view.is_object() ? welcome.view : json::object()},
+            {"codecs", welcome.codecs},
+            {"movingCodec", welcome.movingCodec},
+            {"codecReason", welcome.codecReason}};
 }
 
 json print(const Stats& stats) {

@@ -27,6 +27,9 @@ bool isFinal(const Error& error) {
 }
 
 /// Of an older server: it refuses words that it does not know, those of the view excepted, which have names of their own.
+bool isUnknownCodecs(const Error& error) {
+    return error.field.starts_with("codecs");
+}
 bool isUnknownWord(const Error& error) {
     return error.field == "view" || error.field == "seq" || error.field == "frame";
 }
@@ -82,6 +85,10 @@ bool LiveStream::send(const ClientMessage& message) {
 Expected<Stream> LiveStream::open(const Timeouts& timeouts) {
     sayWhatIsSeen();
     auto stream = Stream::open(url_, hello_, timeouts, options_.credentials);
+    if (!stream && isFinal(stream.error()) && isUnknownCodecs(stream.error())) {
+        hello_.codecs = {Codec::Jpeg};
+        stream = Stream::open(url_, hello_, timeouts, options_.credentials);
+    }
     if (stream || !isFinal(stream.error()) || hello_.view.is_null()) return stream;
     // It knows no such field, or cannot show that any more: what is to be seen is said once there is a session. What it cannot
     // show now, it or another one may show the next time.

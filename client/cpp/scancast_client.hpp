@@ -10,6 +10,8 @@
 //     stream->ack(frame->header);
 //     auto picture = client::decodeJpeg(frame->jpeg);
 //
+// Moving frames come as video, three times smaller, to who says in `Hello::codecs` that he reads it: frame_decoder.hpp.
+//
 // Server and Stream are synchronous: every call blocks until it is done, fails, or its deadline has passed.
 // LiveStream has a thread of its own, tells by callbacks, and connects again when the connection is lost.
 // Every failure is an Expected error with a sentence for people, which a terminal obeys nothing of; titles, ids and the like are as
@@ -21,6 +23,7 @@
 #include "client/cpp/camera_path.hpp"
 #include "client/cpp/credentials.hpp"
 #include "client/cpp/decode.hpp"
+#include "client/cpp/frame_decoder.hpp"
 #include "client/cpp/guest.hpp"
 #include "client/cpp/live_stream.hpp"
 #include "client/cpp/orbit_path.hpp"

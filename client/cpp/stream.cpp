@@ -39,9 +39,10 @@ Expected<std::optional<StreamEvent>> eventOf(std::span<const std::uint8_t> bytes
     if (!text) {
         const auto frame = parseFrame(bytes);
         if (!frame) return passOn(frame);
-        return ReceivedFrame{frame->header,
-                             {frame->picture.begin(), frame->picture.end()},
-                             {frame->packedDepth.begin(), frame->packedDepth.end()}};
+        ReceivedFrame received{frame->header, {}, {frame->packedDepth.begin(), frame->packedDepth.end()}};
+        auto& picture = frame->header.codec == Codec::Jpeg ? received.jpeg : received.h264;
+        picture.assign(frame->picture.begin(), frame->picture.end());
+        return received;
     }
     if (bytes.size() > longestText)
         return fail(ErrorCode::ResourceLimit, "the server sent a text of " + std::to_string(bytes.size()) +

@@ -24,8 +24,11 @@ namespace scancast::client {
 
 struct ReceivedFrame {
     FrameHeader header;
-    std::vector<std::uint8_t> jpeg;
+    std::vector<std::uint8_t> jpeg;           ///< of a video's frame empty
     std::vector<std::uint8_t> packedDepth{};  ///< where hello asked for depth: unpackDepth() takes it
+    /// Of a frame whose codec is H264, which hello must have asked for: its access unit. FrameDecoder shows either.
+    std::vector<std::uint8_t> h264{};
+    std::size_t pictureBytes() const { return jpeg.size() + h264.size(); }
 };
 
 /// Whatever may come next from a server.

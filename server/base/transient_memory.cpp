@@ -14,6 +14,8 @@ std::string_view name(MemoryUse use) {
             return "texts";
         case MemoryUse::Connections:
             return "connections";
+        case MemoryUse::Video:
+            return "video";
     }
     return "unknown";
 }

@@ -4,7 +4,8 @@
 //
 //     a half      frames of stills and snapshots in hand, with what they are encoded into (scheduler/turns.hpp waits)
 //     a quarter   pictures and photos that HTTP clients have not read (price/admission.hpp refuses)
-//     a quarter   frames that streams have not read (net/: who does not read is closed first)
+//     a quarter   frames that streams have not read (net/: who does not read is closed first), and, of that, up to a half
+//                 encoders of sessions' video (scheduler/video_stream.hpp: frames that find no room there are JPEG)
 //
 // The limit is a fixed share of --memory-limit, taken at the start: what residency has - and ETags name - never varies
 // with load.
@@ -29,8 +30,9 @@ enum class MemoryUse : std::uint8_t {
     Streams,      ///< encoded frames of streams
     Texts,        ///< requests, JSON and messages that are read or written
     Connections,  ///< their buffers
+    Video,        ///< encoders of sessions' moving frames
 };
-inline constexpr std::size_t memoryUses = 5;
+inline constexpr std::size_t memoryUses = 6;
 /// "frames"; as /metrics names it.
 std::string_view name(MemoryUse use);
 
@@ -79,8 +81,9 @@ class TransientMemory {
     std::uint64_t forFrames() const { return limit() / 2; }
     std::uint64_t forAnswers() const { return limit() / 4; }
     std::uint64_t forStreams() const { return limit() / 4; }
+    std::uint64_t forVideo() const { return forStreams() / 2; }
     std::uint64_t bytes(MemoryUse use) const;
-    bool streamsAreFull() const { return bytes(MemoryUse::Streams) > forStreams(); }
+    bool streamsAreFull() const { return bytes(MemoryUse::Streams) + bytes(MemoryUse::Video) > forStreams(); }
 
   private:
     struct State {

@@ -136,6 +136,12 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "The most streams at the same time")
         ->type_name("N")
         ->check(CLI::Range(1, 100000));
+    flag(
+        "--video-sessions", options.server.limits.videoSessions, "SCANCAST_VIDEO_SESSIONS",
+        "The most streams whose moving frames are video (H.264), where their clients can show it: each takes "
+        "memory for an encoder. Further ones get JPEG. 0 = no video. Example: --video-sessions 40")
+        ->type_name("N")
+        ->check(CLI::Range(0, 100000));
     flag("--max-connections", options.maxConnections, "SCANCAST_MAX_CONNECTIONS",
          "The most connections at the same time, including those of streams. When all are in use, the one "
          "that has been idle longest is closed; when none is idle, newcomers get a 503. 0 = --max-sessions "
@@ -221,7 +227,8 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
                  "shading=phong need. Cloud files stay as they are")
         ->envname("SCANCAST_NO_SURFELS");
     app.add_flag("--native", options.native,
-                 "Show scans in COPC and EPT as they are, without ingest: at once, and points are read as views want "
+                 "Show scans in COPC and EPT as they are, without ingest: at once, and points are read as "
+                 "views want "
                  "them. Those behind URLs are always shown so")
         ->envname("SCANCAST_NATIVE");
     app.add_flag("--insecure", options.insecure,

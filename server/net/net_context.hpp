@@ -21,6 +21,7 @@
 #include "server/net/tls/current_tls.hpp"
 #include "server/net/write_watch.hpp"
 #include "server/scheduler/scheduler.hpp"
+#include "server/scheduler/video_places.hpp"
 #include "server/stream/resume_store.hpp"
 #include "server/stream/session_register.hpp"
 
@@ -29,8 +30,9 @@ namespace scancast {
 struct NetLimits {
     std::size_t maxConnections = 512;  ///< beyond, idle ones go, or who comes gets 503
     std::size_t maxConnectionsPerAddress =
-        0;                         ///< beyond, 429; 0 = a quarter of all, and this machine not limited
-    std::size_t maxSessions = 64;  ///< streams; beyond, 1013
+        0;                           ///< beyond, 429; 0 = a quarter of all, and this machine not limited
+    std::size_t maxSessions = 64;    ///< streams; beyond, 1013
+    std::size_t videoSessions = 16;  ///< of them, whose moving frames may be video; beyond, JPEG
     std::uint64_t maxPixels = 64'000'000;      ///< of a picture
     std::uint32_t maxHeaderBytes = 16 * 1024;  ///< of a request
     std::uint64_t maxBodyBytes = 64 * 1024;    ///< of a request that brings JSON
@@ -71,6 +73,7 @@ struct NetContext {
     SessionRegister& sessionRegister;
     RequestLog& requestLog;
     TransientMemory memory{};
+    VideoPlaces video{limits.videoSessions, memory};
     CurrentTls tls{};
     TrustedProxies proxies{};
     ConnectionRegister connections{publicLimits(limits), &metrics};

@@ -177,6 +177,7 @@ class StreamConnection final : public SessionHost {
     bool begin() {
         SessionOptions options;
         options.resumable = &context_.resumable;
+        options.video = &context_.video;
         if (!openSession(ClientKind::WebSocket, std::move(options))) return false;
         if (context_.scheduler.draining()) session()->goAway();  // came in with the last goodbyes
         if (const auto left = context_.leavesIn()) session()->moveOn({0, std::uint64_t(left->count())});

@@ -5,8 +5,23 @@
 #include "server/base/faults.hpp"
 #include "server/scheduler/outcome.hpp"
 #include "server/scheduler/scheduler.hpp"
+#include "server/scheduler/video_stream.hpp"
 
 namespace scancast {
+namespace {
+
+/// The session's video takes the frame, or else it is encoded by itself; `picture` says which.
+Expected<Bytes> encodedFrame(const Frame& frame, const PictureOrder& order, EncodedPicture& picture,
+                             const std::stop_token& token) {
+    auto coded = order.video ? order.video->encode(frame, order.view.quality.jpegQuality) : std::nullopt;
+    if (!coded) return encodePicture(frame, order.view, order.format, token);
+    picture.codec = Codec::H264;
+    picture.videoNumber = coded->number;
+    picture.key = coded->key;
+    return std::move(coded->bytes);
+}
+
+}  // namespace
 
 // ---- prepare thread
 
@@ -77,14 +92,14 @@ Expected<EncodedPicture> Scheduler::encoded(Turns::Request& request, const std::
         if (!remade) return passOn(std::move(remade));
         drawn.frame = std::move(*remade);
     }
-    auto bytes = encodePicture(drawn.frame, request.order.view, request.order.format, token);
+    EncodedPicture picture;
+    auto bytes = encodedFrame(drawn.frame, request.order, picture, token);
     if (!bytes) return passOn(std::move(bytes));
     auto depth = request.order.withDepth ? encodeDepth(drawn.frame) : Bytes{};
     if (!depth) return passOn(std::move(depth));
     const double encodeMs = millisecondsSince(start);
     if (Clock::now() > request.deadline) return tl::unexpected(tooLate());
     metrics_.frameEncoded(encodeMs / 1000, bytes->size() + depth->size());
-    EncodedPicture picture;
     const MemoryUse use = request.kind == Turns::Kind::Snapshot ? MemoryUse::Answers : MemoryUse::Streams;
     picture.bytes = options_.memory.shared(use, std::move(*bytes), std::move(request.order.kept));
     if (request.order.withDepth) picture.depth = options_.memory.shared(use, std::move(*depth));

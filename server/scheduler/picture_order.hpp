@@ -9,6 +9,7 @@
 #include <stop_token>
 #include <string>
 
+#include "protocol/frame_header.hpp"
 #include "protocol/view/view.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/device/device.hpp"
@@ -19,6 +20,7 @@ namespace scancast {
 
 struct PlannedView;
 struct PreparedView;
+class VideoStream;
 
 /// Depth is the frame's depth as it is: float32, little-endian, row by row from the top, +infinity =
 /// background. Pixels are the frame's: red, green, blue, straight alpha, row by row from the top.
@@ -49,11 +51,17 @@ struct PictureOrder {
     std::shared_ptr<const PlannedView> planned{};
     /// Makes what is encoded of the frame that was drawn, beside the render thread: a map (renderer/map). Pure. Empty: the frame itself.
     std::function<Expected<Frame>(const Frame&, const std::stop_token&)> remade{};
+    /// Of a JPEG that is a moving frame: encodes it, where it can, as the next picture of its session's video. Nobody else has
+    /// the same bytes.
+    std::shared_ptr<VideoStream> video{};
 };
 
 struct EncodedPicture {
     std::shared_ptr<const Bytes> bytes;
     std::shared_ptr<const Bytes> depth{};  ///< as packDepth() makes it, where the order is with depth
+    Codec codec = Codec::Jpeg;             ///< of a stream's frame
+    std::uint64_t videoNumber = 0;         ///< of a video's picture, as VideoStream counts them
+    bool key = false;                      ///< of a video's picture
     int width = 0, height = 0;
     FrameStats stats;  ///< with "encode" as the last stage
     double renderMs = 0, encodeMs = 0;

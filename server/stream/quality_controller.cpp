@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "protocol/messages.hpp"
 
@@ -11,14 +12,16 @@ namespace {
 // How the bytes of a JPEG follow its settings, near enough: what is measured of one frame corrects it for the
 // next. Quantisation steps are `scale` times the standard's tables (libjpeg's rule).
 constexpr double bytesFallWith = 2.0 / 3;
+// The same of a video's frames (→ decision 37).
+constexpr double videoFallsWith = 1;
 
-double weightOf(double quality) {
+double weightOf(double quality, bool isVideo) {
     const double scale = quality < 50 ? 50 / quality : 2 - quality / 50;
-    return std::pow(std::max(scale, 0.01), -bytesFallWith);
+    return std::pow(std::max(scale, 0.01), isVideo ? -videoFallsWith : -bytesFallWith);
 }
 
-double qualityOf(double weight) {
-    const double scale = std::pow(weight, -1 / bytesFallWith);
+double qualityOf(double weight, bool isVideo) {
+    const double scale = std::pow(weight, -1 / (isVideo ? videoFallsWith : bytesFallWith));
     return scale > 1 ? 50 / scale : 100 - 50 * scale;
 }
 
@@ -54,11 +57,13 @@ double QualityController::frameSeconds(const MovingLimits& limits) const {
     return std::max(1 / limits.fps, link_.latency() * shareOfLatency);
 }
 
-MovingQuality QualityController::choose(const View& wanted, double ownDetail, const MovingLimits& limits) {
+MovingQuality QualityController::choose(const View& wanted, double ownDetail, const MovingLimits& limits,
+                                        bool isVideo) {
+    if (std::exchange(isVideo_, isVideo) != isVideo) bytesPerPixel_.reset();
     MovingQuality quality = movingQuality(effort_, ownDetail, limits, resolution_);
     resolution_ = quality.resolution;
     quality.jpegQuality = wanted.quality.jpegQuality;
-    quality.subsampling = wanted.quality.subsampling;
+    quality.subsampling = isVideo ? Subsampling::S420 : wanted.quality.subsampling;
     if (link_.bandwidth() && bytesPerPixel_)
         fitBytes(quality, wanted, limits, *link_.bandwidth() * shareOfLink * frameSeconds(limits));
     quality.byNetwork = quality.resolution < resolution_ ||
@@ -98,9 +103,9 @@ void QualityController::fitBytes(MovingQuality& quality, const View& wanted, con
     const double own = wanted.quality.jpegQuality;
     const auto qualityAt = [&](double resolution, Subsampling chroma) {
         const double bytes = *bytesPerPixel_ * pixels * resolution * resolution * weightOf(chroma);
-        return qualityOf(budget / bytes);
+        return qualityOf(budget / bytes, isVideo_);
     };
-    const double atFull = qualityAt(quality.resolution, wanted.quality.subsampling);
+    const double atFull = qualityAt(quality.resolution, quality.subsampling);
     coarseChroma_ = atFull < (coarseChroma_ ? own : own - chromaCosts);
     if (coarseChroma_) quality.subsampling = Subsampling::S420;
     const double floor = std::min(double(limits.minJpegQuality), own);
@@ -121,9 +126,14 @@ void QualityController::drawn(const MovingQuality& quality, const FrameCost& cos
     effort_ = nextEffort(quality, milliseconds, ownDetail, limits);
 }
 
-void QualityController::sent(std::uint64_t frame, const View& view, std::size_t bytes, Time now) {
-    const double weight = weightOf(view.quality.jpegQuality) * weightOf(view.quality.subsampling);
-    bytesPerPixel_ = double(bytes) / (double(view.width) * double(view.height) * weight);
+void QualityController::sent(std::uint64_t frame, const View& view, std::size_t bytes, Time now,
+                             Coding coding) {
+    // Of a session with video: neither its stills nor keys say how large the next frame will be.
+    if (coding == (isVideo_ ? Coding::Video : Coding::Jpeg)) {
+        const double weight =
+            weightOf(view.quality.jpegQuality, isVideo_) * weightOf(view.quality.subsampling);
+        bytesPerPixel_ = double(bytes) / (double(view.width) * double(view.height) * weight);
+    }
     link_.sent(frame, bytes, now);
     news_ = 1;
 }

@@ -17,17 +17,27 @@ struct FrameCost {
     std::size_t rivals = 0;  ///< others who shared the device's time meanwhile
 };
 
+/// How a frame that goes out was packed.
+enum class Coding : std::uint8_t {
+    Jpeg,
+    Video,     ///< builds on the frame before it
+    VideoKey,  ///< a frame of a video that builds on none: its size says nothing of the next one's
+};
+
 class QualityController {
   public:
     using Time = LinkEstimate::Time;
 
-    MovingQuality choose(const View& wanted, double ownDetail, const MovingLimits& limits);
+    /// `isVideo`: moving frames are, and what JPEGs take says nothing of them.
+    MovingQuality choose(const View& wanted, double ownDetail, const MovingLimits& limits,
+                         bool isVideo = false);
 
     /// A moving frame of that quality is ready.
     void drawn(const MovingQuality& quality, const FrameCost& cost, double ownDetail,
                const MovingLimits& limits);
     /// Any frame goes out; `view` is what was encoded.
-    void sent(std::uint64_t frame, const View& view, std::size_t bytes, Time now);
+    void sent(std::uint64_t frame, const View& view, std::size_t bytes, Time now,
+              Coding coding = Coding::Jpeg);
     void acknowledged(std::uint64_t frame, const MovingLimits& limits, Time now);
 
     const LinkEstimate& link() const { return link_; }
@@ -39,6 +49,7 @@ class QualityController {
     void fitBytes(MovingQuality& quality, const View& wanted, const MovingLimits& limits, double budget);
 
     LinkEstimate link_;
+    bool isVideo_ = false;
     double effort_ = 1;
     double rivals_ = 0;                    // smoothed
     std::optional<double> bytesPerPixel_;  // that the newest frame would have had at weight 1

@@ -101,6 +101,7 @@ void StreamSession::taken() {
 }
 
 void StreamSession::connectionLost(bool done, Time now) {
+    video_.reset();
     if (!ticket_) return;
     if (done)
         options_.resumable->forget(*ticket_);
@@ -116,6 +117,7 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
         return;
     }
     withDepth_ = hello.depth;
+    codecs_ = hello.codecs;
     if (auto resumed = resume(hello, now)) return begin(std::move(*resumed), true, now);
     auto scene = scenes_.opened(hello);
     if (!scene) return refuse(std::move(scene.error()), std::nullopt);
@@ -185,10 +187,29 @@ void StreamSession::begin(Scene scene, bool resumed, Time now) {
     welcome.methods = world_.methodNames();
     welcome.limits.maxPixels = options_.maxPixels;
     welcome.view = toJson(scene_.view);
+    chooseCodec(welcome);
     port_.sendText(printMessage(welcome));
     if (leaving_) port_.sendText(printMessage(*leaving_));
     followLeader(now);  // it may have moved on meanwhile
     pump(now);
+}
+
+// Who comes back has another decoder, and so begins with a key, whatever he saw before.
+void StreamSession::chooseCodec(messages::Welcome& welcome) {
+    if (options_.video != nullptr) {
+        welcome.codecs.clear();
+        for (const Codec codec : options_.video->codecs()) welcome.codecs.emplace_back(name(codec));
+    }
+    if (codecs_.front() != Codec::H264) return;
+    auto video = options_.video != nullptr
+                     ? options_.video->take()
+                     : fail(ErrorCode::Unavailable, "This connection's moving frames are JPEG always.");
+    if (video) {
+        video_ = std::move(*video);
+        welcome.movingCodec = name(Codec::H264);
+    } else {
+        welcome.codecReason = std::move(video.error().message);
+    }
 }
 
 void StreamSession::remember() {
@@ -383,7 +404,9 @@ StreamSession::Order StreamSession::nextOrder(std::optional<StillSchedule::Still
     order.wanted = scene_.view;
     order.cloud = scene_.cloud;
     order.still = still;
-    if (!still) order.quality = quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_);
+    if (!still)
+        order.quality =
+            quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_, video_ != nullptr);
     order.view = viewOf(order);
     return order;
 }
@@ -404,6 +427,7 @@ PictureOrder StreamSession::pictureOf(const Order& order) const {
     picture.complete = order.still == StillSchedule::Still::Final;
     picture.onlyWhole = order.still == StillSchedule::Still::Trial;
     picture.interruptible = order.still.has_value();
+    if (!order.still) picture.video = video_;
     if (!order.still && before_) {
         picture.ahead =
             extrapolate(*before_, scene_.view.camera, secondsBetween(beforeTime_, viewTime_), aheadSeconds);
@@ -466,13 +490,26 @@ void StreamSession::pump(Time now) {
     }
 }
 
+// A picture of the video that builds on one which was not sent is worth nothing: then a key is to come, and the view is shown anew.
+bool StreamSession::continuesVideo(const EncodedPicture& picture) {
+    if (picture.codec == Codec::Jpeg || !video_) return true;
+    const bool sound = picture.key || picture.videoNumber == lastVideo_ + 1;
+    if (sound)
+        lastVideo_ = picture.videoNumber;
+    else
+        video_->wantKey();
+    return sound;
+}
+
 void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> result, Time now) {
     const auto at = std::find_if(outstanding_.begin(), outstanding_.end(),
                                  [&](const Order& order) { return order.number == number; });
     if (state_ != State::Open || at == outstanding_.end()) return;  // replaced or abandoned meanwhile
     const Order order = *at;
     outstanding_.erase(at);
-    if (result) {
+    if (result && !continuesVideo(*result)) {
+        fresh_ = true;
+    } else if (result) {
         deliver(order, std::move(*result), now);
     } else {
         const bool cancelled = result.error().code == ErrorCode::Cancelled;
@@ -498,6 +535,8 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     header.final = order.still && order.still != StillSchedule::Still::Sharper;
     header.damaged = header.final && picture.stats.nodesDamaged > 0;  // nothing better will come
     header.away = picture.stats.away;
+    header.codec = picture.codec;
+    header.key = picture.key;
     if (header.away) stills_.saidAway();
     if (order.still) stills_.drawn(*order.still, picture.stats.samplesMissing, now);
     header.pictureLength = std::uint32_t(picture.bytes->size());
@@ -513,12 +552,18 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     }
     const std::size_t depthBytes = withDepth_ && picture.depth ? picture.depth->size() : 0;
     const std::size_t bytes = picture.bytes->size() + depthBytes;
-    quality_.sent(header.frameId, order.view, bytes, now);
+    const Coding coding = picture.codec == Codec::Jpeg ? Coding::Jpeg
+                          : picture.key                ? Coding::VideoKey
+                                                       : Coding::Video;
+    quality_.sent(header.frameId, order.view, bytes, now, coding);
     if (order.still)
         window_.sentStill(header.frameId, bytes, now);
     else
         window_.sentMoving(header.frameId, bytes, secondsBetween(order.placed, now), outstanding_.size(),
                            now);
+    if (video_ && order.still)
+        video_->wantKey();  // what moves next begins where nobody waits for what was before
+    if (video_ && video_->hasFailed()) video_.reset();
     if (options_.registration != nullptr) options_.registration->frameSent();
     remember();  // first: who gets the frame may come back at once, by another connection
     port_.sendFrame(header, picture.bytes, withDepth_ ? picture.depth : nullptr);
@@ -594,6 +639,7 @@ void StreamSession::close(CloseCode code, std::string reason) {
     state_ = State::Closed;
     if (ticket_) options_.resumable->forget(*ticket_);
     ticket_.reset();
+    video_.reset();
     outstanding_.clear();
     port_.abandon();
     port_.sendText(printMessage(messages::Bye{code, reason}));

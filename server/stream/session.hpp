@@ -24,6 +24,7 @@
 #include "protocol/problem.hpp"
 #include "server/base/metrics.hpp"
 #include "server/scheduler/picture_order.hpp"
+#include "server/scheduler/video_places.hpp"
 #include "server/stream/frame_pace.hpp"
 #include "server/stream/quality_controller.hpp"
 #include "server/stream/resume_store.hpp"
@@ -67,8 +68,9 @@ struct SessionOptions {
     bool endsWithLeader = false;  ///< ends when the session that it follows does
     /// Frames that are made before one is acknowledged; empty = as many as the line holds (send_window.hpp).
     std::optional<std::size_t> window;
-    ResumeStore* resumable = nullptr;  ///< null = sessions cannot be resumed
-    std::uint64_t maxPixels = 0;       ///< of a picture
+    ResumeStore* resumable = nullptr;    ///< null = sessions cannot be resumed
+    const VideoPlaces* video = nullptr;  ///< null = moving frames are JPEG
+    std::uint64_t maxPixels = 0;         ///< of a picture
     std::chrono::milliseconds helloPatience{10000};
     std::chrono::milliseconds statsInterval{1000};
     StillTimes stills;
@@ -136,6 +138,8 @@ class StreamSession {
     void remember();
     void show(Scene scene, Time now);
     bool following() const { return options_.registration != nullptr && options_.registration->following(); }
+    void chooseCodec(messages::Welcome& welcome);
+    bool continuesVideo(const EncodedPicture& picture);
     void followLeader(Time now);
     void leaderLeft();
     void refuse(Problem problem, std::optional<std::uint64_t> seq);
@@ -175,6 +179,9 @@ class StreamSession {
     std::uint32_t turn_ = 1;                  // of its token: connections that it has had
     std::optional<messages::Drain> leaving_;  // what its client is told, or has been
     bool withDepth_ = false;                  // what this connection's hello asked for
+    std::vector<Codec> codecs_;               // the same
+    std::shared_ptr<VideoStream> video_;      // of moving frames, where it has one
+    std::uint64_t lastVideo_ = 0;             // number of the newest of its pictures that was sent
 
     SendWindow window_;
     bool fresh_ = false;  // a view came for which nothing has been ordered

@@ -20,6 +20,7 @@ bool StreamSession::fits(const SharedPicture& shared) const {
         (withDepth_ && !shared.picture.depth))
         return false;
     if (shared.still) return true;
+    if (video_) return false;
     const MovingQuality& quality = shared.quality;
     if (quality.resolution < limits_.minResolution ||
         quality.detail > std::max(limits_.maxDetail, world_.ownDetail(wanted)) ||
@@ -38,11 +39,11 @@ void StreamSession::takeShared(Time now) {
     if (options_.registration == nullptr) return;
     auto newest = options_.registration->leadersPicture();
     if (!newest) {  // it stands still, or moves for the first time since it has been followed
-        awaits_ = fresh_ && !leaderRests_ && following() && leaderHasThisSize_;
+        awaits_ = fresh_ && !leaderRests_ && !video_ && following() && leaderHasThisSize_;
         return shared_.reset();
     }
     const bool suits = fits(*newest);
-    awaits_ = suits && !leaderRests_;
+    awaits_ = suits && !leaderRests_ && (!fresh_ || (!video_ && newest->movesAsJpeg));
     if (!suits || newest->cloud != scene_.cloud || newest == shared_ || !room_ || !outstanding_.empty())
         return;
     const bool isCurrent = newest->wanted == scene_.view;
@@ -69,8 +70,10 @@ void StreamSession::takeShared(Time now) {
 }
 
 void StreamSession::share(const Order& order, const EncodedPicture& picture) {
-    if (options_.registration == nullptr || order.taken || !options_.registration->leads()) return;
-    SharedPicture shared{order.cloud, order.wanted, order.view, order.still, order.quality, picture};
+    if (options_.registration == nullptr || order.taken || picture.codec != Codec::Jpeg ||
+        !options_.registration->leads())
+        return;
+    SharedPicture shared{order.cloud, order.wanted, order.view, order.still, order.quality, picture, !video_};
     options_.registration->share(std::make_shared<const SharedPicture>(std::move(shared)));
 }
 

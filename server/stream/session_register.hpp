@@ -48,6 +48,7 @@ struct SharedPicture {
     std::optional<StillSchedule::Still> still{};
     MovingQuality quality{};  ///< of a moving frame
     EncodedPicture picture;
+    bool movesAsJpeg = true;  ///< else its moving frames are a video, which is one client's alone
 };
 
 /// A session as strangers may reach it.

@@ -16,6 +16,7 @@ struct BenchFlags {
     CloudFlags cloud;
     ViewFlags view;
     BenchOptions options;
+    CodecFlag codec;
     std::array<int, behaviours.size()> sessions{};
     std::string final;
     bool json = false;
@@ -81,6 +82,9 @@ Expected<void> run(BenchFlags& flags) {
     const auto start = orbitStart(flags.view, *cloud);
     if (!start) return passOn(start);
     flags.options.cloud = cloud->id;
+    auto codecs = flags.codec.codecs();
+    if (!codecs) return passOn(std::move(codecs));
+    flags.options.codecs = std::move(*codecs);
     flags.options.start = *start;
 
     const auto results = runSessions(from->server, flags);
@@ -135,6 +139,7 @@ void addBench(CLI::App& app, int& exitCode) {
     flags->cloud.addTo(command);
     addSessions(command, *flags);
     addNumbers(command, flags->options);
+    flags->codec.addTo(command);
     command
         .add_option(
             "--final", flags->final,

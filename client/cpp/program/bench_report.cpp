@@ -41,13 +41,14 @@ json groupReport(const BenchOptions& options, Behaviour behaviour, const Group& 
     std::vector<double> rates;
     std::set<std::string> errors;
     std::uint64_t bytes = 0;
-    int failed = 0, idleFrames = 0, secondBeforeAll = 0;
+    int failed = 0, videoFrames = 0, idleFrames = 0, secondBeforeAll = 0;
     json subsamplings = json::object();
     for (const auto* result : group) {
         rates.push_back(result->frames / options.seconds);
         bytes += result->bytes;
         failed += result->error.empty() ? 0 : 1;
         if (!result->error.empty()) errors.insert(result->error);
+        videoFrames += result->videoFrames;
         idleFrames += result->idleFrames;
         secondBeforeAll += result->secondBeforeAll ? 1 : 0;
         for (const auto& [subsampling, count] : result->subsamplings)
@@ -71,6 +72,7 @@ json groupReport(const BenchOptions& options, Behaviour behaviour, const Group& 
     report["jpegQuality"] = spread(together(group, &BenchResult::qualities));
     report["detail"] = spread(together(group, &BenchResult::details));
     report["subsampling"] = subsamplings;
+    report["videoFrames"] = videoFrames;
     report["finalMs"] = spread(present(group, &BenchResult::finalMs));
     return report;
 }
@@ -126,6 +128,8 @@ std::string benchText(const json& report) {
         text += line(group.at("latencyMs"), "view to frame", " ms", 1);
         text += line(group.at("frameBytes"), "size of a frame", " bytes", 0);
         text += line(group.at("resolution"), "resolution", " of width and height", 2);
+        if (group.at("videoFrames") != 0)
+            text += "  " + group.at("videoFrames").dump() + " frames as video\n";
         text += line(group.at("jpegQuality"), "JPEG quality", "", 0);
         text += line(group.at("detail"), "detail", " px", 2);
         text += line(group.at("finalMs"), "to the final", " ms", 1);

@@ -47,6 +47,7 @@ class Session {
         hello.width = options_.start.view.width;
         hello.height = options_.start.view.height;
         hello.fps = options_.fps;
+        hello.codecs = options_.codecs;
         auto opened = Stream::open(server.url(), hello, server.timeouts(), server.credentials(),
                                    is(Behaviour::Slow) ? options_.slowBytesPerSecond : 0);
         if (!opened) return passOn(opened);
@@ -106,12 +107,14 @@ class Session {
     void measure(const ReceivedFrame& frame) {
         const auto& header = frame.header;
         ++result_.frames;
-        result_.bytes += frame.jpeg.size();
+        result_.bytes += frame.pictureBytes();
         if (!header.moving || header.seq == 0 || header.seq > seq_) return;
         result_.latencies.push_back(millisecondsSince(sent_[header.seq - 1]));
-        result_.frameBytes.push_back(double(frame.jpeg.size()));
+        result_.frameBytes.push_back(double(frame.pictureBytes()));
         result_.resolutions.push_back(double(header.width) / options_.start.view.width);
-        if (const auto facts = jpegFacts(frame.jpeg)) {
+        if (header.codec != Codec::Jpeg) {
+            ++result_.videoFrames;
+        } else if (const auto facts = jpegFacts(frame.jpeg)) {
             result_.qualities.push_back(facts->quality);
             ++result_.subsamplings[facts->subsampling];
         }

@@ -13,6 +13,7 @@
 
 #include "client/cpp/program/orbit_start.hpp"
 #include "client/cpp/server.hpp"
+#include "protocol/frame_header.hpp"
 
 namespace scancast::client {
 
@@ -35,7 +36,8 @@ struct BenchOptions {
     double fps = 30;               ///< that it tells the server it wants
     double degreesPerSecond = 30;  ///< of its walk around the cloud
     double slowBytesPerSecond = 50e3;
-    std::optional<double> wake;  ///< seconds after the start at which idle sessions send a view
+    std::vector<Codec> codecs{Codec::Jpeg};  ///< that sessions say they read
+    std::optional<double> wake;              ///< seconds after the start at which idle sessions send a view
 };
 
 /// What sessions of one run share.
@@ -53,6 +55,7 @@ struct BenchResult {
     std::vector<double> frameBytes, resolutions, qualities, details;
     std::map<std::string, int> subsamplings;
     std::uint64_t bytes = 0;
+    int videoFrames = 0;              ///< of the moving ones, those that came as video
     int frames = 0;                   ///< while it was measured
     int idleFrames = 0;               ///< of an idle session, before it was woken: there should be none
     std::optional<double> finalMs;    ///< since the last view was sent

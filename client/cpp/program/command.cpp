@@ -1,4 +1,5 @@
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/frame_decoder.hpp"
 #include "client/cpp/guest.hpp"
 #include "client/cpp/program/say.hpp"
 
@@ -73,6 +74,23 @@ Expected<ServedCloud> CloudFlags::choose(const std::string& otherwise) const {
     if (!clouds) return passOn(clouds);
     if (clouds->empty()) return fail(ErrorCode::NotFound, from->url().authority() + " has no clouds");
     return ServedCloud{std::move(*from), clouds->front().id};
+}
+
+void CodecFlag::addTo(CLI::App& app) {
+    app.add_option("--codec", name,
+                   "How moving frames come, jpeg or h264: as video they take about a third of the bytes, "
+                   "where the server has "
+                   "a place for it. Stills are JPEG either way. h264 needs libopenh264-7")
+        ->type_name("NAME")
+        ->check(CLI::IsMember({"jpeg", "h264"}))
+        ->capture_default_str();
+}
+
+Expected<std::vector<Codec>> CodecFlag::codecs() const {
+    if (name == "jpeg") return std::vector{Codec::Jpeg};
+    if (auto ok = canReadVideo(); !ok)
+        return fail(ok.error().code, "--codec h264: " + ok.error().message, "codec");
+    return std::vector{Codec::H264, Codec::Jpeg};
 }
 
 int report(const Expected<void>& result) {

@@ -56,6 +56,15 @@ struct CloudFlags {
     Expected<ServedCloud> choose(const std::string& otherwise = {}) const;
 };
 
+/// How moving frames travel, of subcommands that show them.
+struct CodecFlag {
+    std::string name = "jpeg";
+
+    void addTo(CLI::App& app);
+    /// For hello. Unavailable: there is no OpenH264 here.
+    Expected<std::vector<Codec>> codecs() const;
+};
+
 /// Runs a subcommand: prints the error, if it ends with one, and returns the exit code.
 int report(const Expected<void>& result);
 

@@ -12,6 +12,7 @@ namespace {
 struct WindowFlags {
     CloudFlags cloud;
     ViewFlags view;
+    CodecFlag codec;
     bool trace = false;
     std::optional<int> finals;
 };
@@ -31,7 +32,9 @@ Expected<void> run(const WindowFlags& flags) {
                     "a window is steered by --eye and --target, not by --view-matrix", "viewMatrix");
     const auto methods = from->server.methods();
     if (!methods) return passOn(methods);
-    WindowOptions options{*cloud, *view, {}, flags.trace, flags.finals};
+    auto codecs = flags.codec.codecs();
+    if (!codecs) return passOn(std::move(codecs));
+    WindowOptions options{*cloud, *view, {}, flags.trace, flags.finals, std::move(*codecs)};
     for (const auto& method : *methods) options.methods.push_back(method.name);
     return runWindow(from->server, std::move(options));
 }
@@ -44,6 +47,7 @@ void addView(CLI::App& app, int& exitCode) {
     flags->cloud.addTo(command);
     command.add_flag("--trace", flags->trace, "Print what happens on standard output");
     command.add_option("--finals", flags->finals, "Close after this many final stills")->type_name("N");
+    flags->codec.addTo(command);
     flags->view.addTo(command);
     command.footer(
         "Drag: orbit; right drag, or Shift and drag: pan; wheel: zoom; W A S D Q E: fly; M, N: next, "

@@ -13,11 +13,12 @@
 #include <string_view>
 #include <utility>
 
-#include "client/cpp/decode.hpp"
+#include "client/cpp/frame_decoder.hpp"
 #include "client/cpp/live_stream.hpp"
 #include "client/cpp/program/command.hpp"
 #include "client/cpp/program/say.hpp"
 #include "client/cpp/program/view_control.hpp"
+#include "protocol/text/plain_text.hpp"
 
 namespace scancast::client {
 namespace {
@@ -140,10 +141,11 @@ class Window {
         hello.cloud = options_.cloud.id;
         hello.width = view_.width;
         hello.height = view_.height;
+        hello.codecs = options_.codecs;
         LiveListener listener;
         listener.frame = [this](ReceivedFrame frame) { arrived(frame); };
         listener.problem = [this](const messages::ProblemReport& report) { say(report.problem.detail); };
-        listener.connected = [this](const messages::Welcome&, bool) { say({}); };
+        listener.connected = [this](const messages::Welcome& welcome, bool) { connected(welcome); };
         listener.lost = [this](const Error& error, std::chrono::milliseconds) { say(error.message); };
         listener.ended = [this](const Error& error) {
             const std::lock_guard lock(mailbox_.mutex);
@@ -158,8 +160,15 @@ class Window {
 
     // ---- on the stream's thread
 
+    void connected(const messages::Welcome& welcome) {
+        decoder_ = {};
+        say({});
+        if (options_.codecs.front() == Codec::Jpeg) return;
+        trace("codec %s %s", plainText(welcome.movingCodec).c_str(), plainText(welcome.codecReason).c_str());
+    }
+
     void arrived(const ReceivedFrame& frame) {
-        auto pixels = decodeJpeg(frame.jpeg, mostPixels);
+        auto pixels = decoder_.decode(frame, mostPixels);
         if (!pixels) return say(pixels.error().message);
         const std::lock_guard lock(mailbox_.mutex);
         mailbox_.frame = Shown{frame.header, std::move(*pixels)};
@@ -399,6 +408,7 @@ class Window {
     std::string status_;
     std::optional<Error> error_;
     Mailbox mailbox_;
+    FrameDecoder decoder_;              // the stream's thread's
     std::optional<LiveStream> stream_;  // last: its thread uses the mailbox
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/cpp/server.hpp"
+#include "protocol/frame_header.hpp"
 
 namespace scancast::client {
 
@@ -19,6 +20,7 @@ struct WindowOptions {
     bool trace = false;                ///< says on standard output what happens, a line for each thing
     /// Ends by itself after so many final stills; for tests.
     std::optional<int> finals;
+    std::vector<Codec> codecs{Codec::Jpeg};  ///< that moving frames may come in
 };
 
 /// Whether there is a display to open a window on, for who would rather ask before anything else. Errors:

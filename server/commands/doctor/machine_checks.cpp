@@ -13,6 +13,7 @@
 #include "server/commands/doctor/checks.hpp"
 #include "server/net/clients/open_files.hpp"
 #include "server/net/tls/tls.hpp"
+#include "server/scheduler/video_places.hpp"
 
 namespace scancast {
 namespace {
@@ -91,6 +92,15 @@ void lookAtOpenFiles(const ServeOptions& options, Findings& findings) {
                      "ulimit -Hn, or LimitNOFILE= of a systemd unit, allows more");
 }
 
+void lookAtVideo(const ServeOptions& options, Findings& findings) {
+    const VideoPlaces video(options.server.limits.videoSessions);
+    const std::string text = "moving frames: " + video.text();
+    if (options.server.limits.videoSessions == 0 || video.codecs().size() > 1)
+        return findings.ok("video", text);
+    findings.warning("video", text + ". They are JPEG, about three times as large",
+                     "install it, or --video-sessions 0 for no video");
+}
+
 // Certificates and links that expire are judged by it.
 void lookAtClock(Findings& findings) {
     using Clock = std::chrono::system_clock;
@@ -118,6 +128,7 @@ void lookAtMachine(const ServeOptions& options, Findings& findings) {
     lookAtMemory(options, findings);
     lookAtProcessors(options, findings);
     lookAtOpenFiles(options, findings);
+    lookAtVideo(options, findings);
     lookAtClock(findings);
 }
 

@@ -26,6 +26,7 @@
 #include "server/commands/serve_options.hpp"
 #include "server/commands/service_reports.hpp"
 #include "server/net/clients/open_files.hpp"
+#include "server/scheduler/video_places.hpp"
 #include "server/server.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/shutdown_signals.hpp"
@@ -178,6 +179,14 @@ void warnOfExpiry(const ServeOptions& options, const ScancastServer& server) {
     if (!warning.empty()) spdlog::warn("{}", warning);
 }
 
+void tellOfVideo(const ServeOptions& options) {
+    const std::size_t sessions = options.server.limits.videoSessions;
+    const VideoPlaces video(sessions);
+    const bool isLacking = sessions > 0 && video.codecs().size() == 1;
+    spdlog::log(isLacking ? spdlog::level::warn : spdlog::level::info, "moving frames: {}{}", video.text(),
+                isLacking ? "; they are JPEG for everybody" : "");
+}
+
 void reportEntrances(const ServeOptions& options, const ScancastServer& server) {
     const NetLimits& limits = options.server.limits;
     if (options.maxConnections == 0 &&
@@ -257,6 +266,7 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, cons
     warnOfExposure(options);
     warnOfExpiry(options, **server);
     tellOfImporters(options);
+    tellOfVideo(options);
     ProgressBar bar(stderr,
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     CloudSources sources(options, damage, **server, bar);

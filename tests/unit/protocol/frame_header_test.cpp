@@ -71,6 +71,19 @@ TEST(FrameHeader, SoIsWhatIsAway) {
     EXPECT_EQ(frame->header, header);
 }
 
+TEST(FrameHeader, VideoSaysSoAndWhereDecodersMayBegin) {
+    auto header = sample();
+    header.codec = Codec::H264;
+    header.moving = header.key = true;
+    header.still = header.final = false;
+    const auto bytes = message(header);
+    EXPECT_EQ(bytes[8], 2);
+    EXPECT_EQ(bytes[9], 33) << "moving, key";
+    const auto frame = parseFrame(bytes);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->header, header);
+}
+
 TEST(FrameHeader, BytesAreWhereTheTableSays) {
     // Written out by hand from PROTOCOL.md: little-endian, 48 bytes.
     const Bytes expected{'S',  'C',  'F',  'R',  1,    0,    48,   0,    1,    6,    0,    0,
@@ -93,7 +106,7 @@ TEST(FrameHeader, LongerHeadersOfLaterServersAreSkipped) {
     auto bytes = message(sample());
     bytes[6] = 56;
     bytes.insert(bytes.begin() + 48, {9, 9, 9, 9, 9, 9, 9, 9});
-    bytes[9] |= 0xE0;  // flags that nobody knows yet
+    bytes[9] |= 0xC0;  // flags that nobody knows yet
     bytes[10] = bytes[11] = 0xFF;
     const auto frame = parseFrame(bytes);
     ASSERT_TRUE(frame) << frame.error().message;
@@ -147,7 +160,8 @@ TEST(FrameHeader, EachWrongFieldIsNamed) {
           Case{4, 2, ErrorCode::Unsupported, "version"}, Case{5, 1, ErrorCode::Unsupported, "version"},
           Case{6, 47, ErrorCode::Malformed, "headerLength"}, Case{6, 0, ErrorCode::Malformed, "headerLength"},
           Case{7, 0xFF, ErrorCode::Truncated, "headerLength"}, Case{8, 0, ErrorCode::Unsupported, "codec"},
-          Case{8, 2, ErrorCode::Unsupported, "codec"}, Case{12, 6, ErrorCode::Truncated, "pictureLength"},
+          Case{8, 3, ErrorCode::Unsupported, "codec"}, Case{8, 2, ErrorCode::Malformed, "codec"},
+          Case{12, 6, ErrorCode::Truncated, "pictureLength"},
           Case{15, 0xFF, ErrorCode::Truncated, "pictureLength"},
           Case{12, 4, ErrorCode::Malformed, "pictureLength"}, Case{35, 0x7F, ErrorCode::Malformed, "width"},
           Case{38, 1, ErrorCode::Malformed, "height"}}) {

@@ -185,7 +185,9 @@ TEST(Followers, OneThatIsSlowCostsTheLeaderNothing) {
             audience.follow(*leader, json::object(), 700);
         }
         audience.run(3000, leader.get());
-        if (beside) EXPECT_LE(audience.members[1]->frames.size(), 2U);
+        if (beside) {
+            EXPECT_LE(audience.members[1]->frames.size(), 2U);
+        }
         return leader->frames.size();
     };
     EXPECT_GE(framesOfLeader(true) + 1, framesOfLeader(false));

@@ -96,6 +96,12 @@ Expected<nlohmann::json> parseJson(std::string_view text) {
     }
 }
 
+void dismantle(nlohmann::json& value) noexcept {
+    if (!value.is_structured()) return;
+    for (nlohmann::json& inner : value) dismantle(inner);
+    value.clear();
+}
+
 std::string printJson(const nlohmann::json& value) {
     return plainJson(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }

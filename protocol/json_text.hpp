@@ -19,6 +19,10 @@ inline constexpr int maxJsonDepth = 32;
 /// `text`.
 Expected<nlohmann::json> parseJson(std::string_view text);
 
+/// Empties it, from the innermost on. A destructor of the library asks for memory wherever there is anything in it, and a program
+/// ends that has none: for JSON that is read where memory may be short.
+void dismantle(nlohmann::json& value) noexcept;
+
 /// Compact text, keys in alphabetical order, numbers as short as reads back exactly. Never throws: bytes that
 /// are no UTF-8 are replaced. Whoever shows it on a terminal is safe: what a terminal obeys is escaped.
 std::string printJson(const nlohmann::json& value);

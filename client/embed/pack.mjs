@@ -15,6 +15,8 @@ const web = fileURLToPath(new URL('../web/', import.meta.url));
 const entry = join(web, 'scancast-view.js');
 
 const importPattern = /^import\s+(?:\{([^}]*)\}\s+from\s+)?'([^']+)';\n/gm;
+// What comes when it is first used, in a page of many files; in comments, which name types so, a brace stands before it.
+const laterPattern = /(?<!\{)\bimport\('(\.[^']+)'\)/g;
 const exportPattern = /^export\s+(?=(?:async\s+)?(?:function\*?|class|const|let)\s+([A-Za-z_$][\w$]*))/gm;
 
 /** { names, source }: what a module exports, and its text without the words import and export. */
@@ -25,6 +27,11 @@ function moduleOf(file) {
     const target = resolve(dirname(file), from);
     needs.push(target);
     return names === undefined ? '' : `const {${names.replace(/\bas\b/g, ':')}} = ${nameOf(target)};\n`;
+  });
+  source = source.replace(laterPattern, (_, from) => {
+    const target = resolve(dirname(file), from);
+    needs.push(target);
+    return `Promise.resolve(${nameOf(target)})`;
   });
   const names = [];
   source = source.replace(exportPattern, (_, name) => {

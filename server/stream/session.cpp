@@ -404,9 +404,11 @@ StreamSession::Order StreamSession::nextOrder(std::optional<StillSchedule::Still
     order.wanted = scene_.view;
     order.cloud = scene_.cloud;
     order.still = still;
-    if (!still)
-        order.quality =
-            quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_, drawsVideo());
+    if (!still) {
+        order.asVideo = drawsVideo();
+        order.quality = quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_,
+                                        order.asVideo && !jpegInstead_);
+    }
     order.view = viewOf(order);
     return order;
 }
@@ -427,7 +429,7 @@ PictureOrder StreamSession::pictureOf(const Order& order) const {
     picture.complete = order.still == StillSchedule::Still::Final;
     picture.onlyWhole = order.still == StillSchedule::Still::Trial;
     picture.interruptible = order.still.has_value();
-    if (!order.still && drawsVideo()) picture.video = video_;
+    if (order.asVideo) picture.video = video_;
     if (!order.still && before_) {
         picture.ahead =
             extrapolate(*before_, scene_.view.camera, secondsBetween(beforeTime_, viewTime_), aheadSeconds);
@@ -507,8 +509,16 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> r
     if (state_ != State::Open || at == outstanding_.end()) return;  // replaced or abandoned meanwhile
     const Order order = *at;
     outstanding_.erase(at);
-    if (result && !continuesVideo(*result)) {
-        fresh_ = true;
+    if (result && !order.still && order.number < finalOrder_) {
+        // The final still, which was encoded sooner, has been sent: it is not to be covered by what it ended.
+        ++overtaken_;
+        metrics_.frameDropped(DropReason::Overwritten);
+        if (video_) video_->wantKey();
+    } else if (result && !continuesVideo(*result)) {
+        // Shown anew, unless a still is under way that shows it better.
+        fresh_ =
+            fresh_ || std::ranges::none_of(outstanding_, [](const Order& o) { return o.still.has_value(); });
+        freshSince_ = now;
     } else if (result) {
         deliver(order, std::move(*result), now);
     } else {
@@ -539,6 +549,8 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     header.key = picture.key;
     if (header.away) stills_.saidAway();
     if (order.still) stills_.drawn(*order.still, picture.stats.samplesMissing, now);
+    if (header.final) finalOrder_ = order.number;
+    if (order.asVideo) jpegInstead_ = picture.codec == Codec::Jpeg;
     header.pictureLength = std::uint32_t(picture.bytes->size());
     header.frameId = ++lastFrame_;
     header.seq = order.seq;

@@ -123,7 +123,8 @@ class StreamSession {
         MovingQuality quality;                      // of a moving frame
         View wanted, view;                          // view: as it is drawn
         std::shared_ptr<const Cloud> cloud;
-        bool taken = false;  // from the session that this one follows
+        bool taken = false;    // from the session that this one follows
+        bool asVideo = false;  // if it can be
     };
     void handle(const messages::Hello& hello, Time now);
     void handle(const messages::ViewChange& change, Time now);
@@ -183,6 +184,8 @@ class StreamSession {
     std::vector<Codec> codecs_;               // the same
     std::shared_ptr<VideoStream> video_;      // of moving frames, where it has one
     std::uint64_t lastVideo_ = 0;             // number of the newest of its pictures that was sent
+    bool jpegInstead_ = false;  // its last moving frame could not be video: JPEGs say how large frames are
+    std::uint64_t finalOrder_ = 0;  // number of the newest final still that was sent
 
     SendWindow window_;
     bool fresh_ = false;  // a view came for which nothing has been ordered

@@ -233,9 +233,13 @@ tl::expected<SharedView, Problem> SessionRegistration::mayFollow(const std::stri
 }
 
 tl::expected<SharedView, Problem> SessionRegistration::follow(const std::string& leader) {
+    std::shared_ptr<const SharedPicture> old;  // goes outside the lock
     const std::lock_guard lock(sessions_.mutex_);
     auto shown = mayFollowLocked(leader);
-    if (shown) sessions_.entries_.at(id_).facts.follows = leader;
+    if (!shown) return shown;
+    // Of what it shared with those who have left it may have moved on since.
+    if (sessions_.followersLocked(leader).empty()) sessions_.entries_.at(leader).picture.swap(old);
+    sessions_.entries_.at(id_).facts.follows = leader;
     return shown;
 }
 

@@ -100,6 +100,7 @@ export class Exchange {
   async show(frame, bounds) {
     const { camera, stretch } = this.#asked.get(frame.seq) ?? this.#onScreen ?? {};
     const from = camera && { camera, bounds, stretch };
+    if (!this.isOfThis(frame.seq)) frame.bitmap?.then((decoded) => decoded.close(), () => {});
     if (!this.isOfThis(frame.seq) || !(await this.#picture.show(frame, from))) return undefined;
     this.#state.shown(frame.seq);
     this.#onScreen = { camera, stretch };

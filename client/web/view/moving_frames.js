@@ -1,7 +1,7 @@
 // How a viewer's moving frames come: as video where browser and server can, else as JPEG. What hello says of it, the decoder, which is
 // loaded when it is needed, and the way back to JPEG where it fails.
 
-const asked = { codec: 'avc1.42c033', optimizeForLatency: true }; // the largest that servers send: level 5.1
+const asked = { codec: 'avc1.42c033', optimizeForLatency: true }; // what most decoders know: level 5.1; larger pictures fail and come as JPEG
 const patienceMs = 1000;
 
 /** Whether this browser decodes H.264 for pages. They have to come by https, or from this machine. */

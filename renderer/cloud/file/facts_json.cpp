@@ -262,8 +262,9 @@ void takeRare(FactsFields& fields, CloudFacts& facts) {
     if (fields.has("usual"))
         takeUsual({*fields.find("usual"), fields.member("usual"), fields.fault()}, facts.usual.emplace());
     if (fields.has("intensityHistogram"))
-        takeHistogram({*fields.find("intensityHistogram"), fields.member("intensityHistogram"), fields.fault()},
-                      facts.intensityHistogram.emplace());
+        takeHistogram(
+            {*fields.find("intensityHistogram"), fields.member("intensityHistogram"), fields.fault()},
+            facts.intensityHistogram.emplace());
     if (fields.has("scanner")) fields.vector("scanner", facts.scanner.emplace());
     takeStations(fields, facts);
     if (fields.has("sides"))
@@ -351,8 +352,12 @@ Expected<std::string> printFacts(const CloudFacts& facts, std::string_view writt
 }
 
 Expected<StoredFacts> parseFacts(std::string_view json, std::uint32_t version) {
-    const auto parsed = parseJson(json);
+    auto parsed = parseJson(json);
     if (!parsed) return passOn(parsed);
+    struct Dismantled {
+        nlohmann::json& value;
+        ~Dismantled() { dismantle(value); }
+    } const dismantled{*parsed};
     StoredFacts facts;
     std::string fault;
     takeAll({*parsed, "", fault}, facts, version);

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t sliceSamples = 16384;
 /// More tiles than threads, so that all threads end at about the same time.
 constexpr int tilesPerThread = 3;
-/// Of all frames that are drawn at once: 12 bytes each, colours, depths and normals. Four frames of 1920 x 1080.
+/// Of all frames that are drawn at once: up to 16 bytes each, colours with and without margin, depths and normals. Four frames of 1920 x 1080.
 constexpr std::int64_t mostPixelsAtOnce = std::int64_t{1} << 23;
 /// Blocks of keys that the passes of one frame need at most: nearest, silhouette, cell.
 constexpr int keyBlocks = 3;

@@ -55,6 +55,12 @@ void good() {
     finish();
 }
 
+/// Who reads its output has to wait for it.
+void late() {
+    ::usleep(20'000);
+    good();
+}
+
 /// Descriptors that it should not have, limits and environment that it should: exit status 0 only if all is
 /// as promised.
 void inspect() {
@@ -102,6 +108,7 @@ void reserve() {
 
 const std::map<std::string, std::function<void()>> behaviours{
     {"good", good},
+    {"late", late},
     {"inspect", inspect},
     {"crash", [] { dieOf(SIGSEGV); }},
     {"crash-midway",

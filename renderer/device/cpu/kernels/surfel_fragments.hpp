@@ -125,7 +125,7 @@ class SurfelFragments {
         covered |= center;
         c = center ? (perspective ? F{} + 1.0f : depth_) : c;
         covered &= perspective ? depth_ >= near_ * c : c >= F{} + near_;
-        if constexpr (sums && rows > 1) covered &= __builtin_convertvector(rowNumbers(), I) + row <= lastRow_;
+        if constexpr (rows > 1) covered &= __builtin_convertvector(rowNumbers(), I) + row <= lastRow_;
         reduce(offset, y, visible, square, c, covered);
     }
 

@@ -246,6 +246,24 @@ TEST(Followers, DepthGoesToWhoAskedForIt) {
     EXPECT_LE(audience.orders() - orders, leader->frames.size());
 }
 
+TEST(Followers, WhoComesLaterIsNotSentWhatWasSharedLongAgo) {
+    Audience audience;
+    const auto leader = audience.enter(json::object(), audience.world);
+    audience.run(300);
+    audience.follow(*leader);
+    audience.run(1000, leader.get());
+    audience.run(500);
+    const auto shared = leader->pictures.back();
+    audience.members.pop_back();  // and nobody follows
+    audience.run(500, leader.get());
+    audience.run(500);
+    const auto late = audience.follow(*leader);
+    audience.run(300);
+    ASSERT_FALSE(late->frames.empty()) << "it does not wait for what nobody sends";
+    audience.run(500, leader.get());
+    EXPECT_EQ(std::ranges::count(late->pictures, shared), 0);
+}
+
 TEST(Followers, WhoHasVideoHasJpegWhileItIsFollowed) {
     if (const auto library = openH264(); !library)
         GTEST_SKIP() << "NOT TESTED: video, because " << library.error().message;

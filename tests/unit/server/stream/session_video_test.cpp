@@ -142,6 +142,42 @@ TEST_F(SessionVideo, AFrameThatWentByItselfBreaksNothing) {
     EXPECT_TRUE(port.frames.back().moving);
 }
 
+TEST_F(SessionVideo, OneThatComesAfterTheFinalStillDoesNotCoverIt) {
+    const auto video = moving();
+    view(2, 1);
+    const auto n = port.orders.size() - 1;
+    ASSERT_TRUE(order(n).video);
+    pass(150);
+    const auto still = port.orders.size() - 1;
+    ASSERT_GT(still, n) << "a still is ordered beside it";
+    finish(still);
+    ASSERT_TRUE(port.frames.back().final);
+    const auto sent = port.frames.size();
+    finishVideo(n, 3);
+    EXPECT_EQ(port.frames.size(), sent);
+    EXPECT_TRUE(keyIsDue(video));
+}
+
+// As where pictures are too large for it, or encoders may have no memory: what JPEGs take is what counts then.
+TEST_F(SessionVideo, WhoseFramesAreJpegAllTheSameFollowsTheLineToo) {
+    moving();
+    int quality = 100;
+    for (std::uint64_t i = 2; i < 12; ++i) {
+        view(i, double(i));
+        const auto n = port.orders.size() - 1;
+        EXPECT_TRUE(order(n).video) << "the next one might be one";
+        quality = order(n).view.quality.jpegQuality;
+        EncodedPicture picture;
+        picture.bytes = std::make_shared<const Bytes>(Bytes(100'000));
+        picture.width = order(n).view.width;
+        picture.height = order(n).view.height;
+        session->pictureDone(port.orders.at(n).number, std::move(picture), now);
+        now += milliseconds(100);
+        ack(port.frames.back().frameId);
+    }
+    EXPECT_LT(quality, 60) << "of the default, 1 MB a second at 30 frames";
+}
+
 TEST_F(SessionVideo, WhoComesWhenAllPlacesAreTakenGetsJpegAndIsTold) {
     auto taken = places.take();
     ASSERT_TRUE(taken);

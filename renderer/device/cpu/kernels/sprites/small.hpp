@@ -82,17 +82,24 @@ void drawSmall(const Block& b, const Splats& s, int i, IntW drawn, const KeyTile
     const IntW offset = (toInt(row) - tile.y) * tile.stride + (toInt(column) - tile.x);
     alignas(32) std::int32_t places[wideLanes];
     store(places, drawn ? offset : all(0));
+    // Each splat has the rows and columns that its own size gives it, whoever stands beside it.
+    const IntW hasThird = half > 1.0f, hasFourth = half > 1.5f;
+    const auto within = [&](int index, FloatW away) {
+        constexpr float outside = 1024;
+        if (index < 2) return away;
+        return (index == 2 ? hasThird : hasFourth) ? away : all(outside);
+    };
     FloatW dx[side], dx2[side];
     IntW central[side];
     for (int c = 0; c < side; ++c) {
-        dx[c] = (column + (0.5f + static_cast<float>(c))) - x;
+        dx[c] = within(c, (column + (0.5f + static_cast<float>(c))) - x);
         dx2[c] = dx[c] * dx[c];
         central[c] = (dx[c] > -0.5f) & (dx[c] <= 0.5f) & drawn;
     }
     Key* keys = tile.keys;
     for (int r = 0; r < side; ++r, keys += tile.stride) {
         const FloatW here = row + static_cast<float>(r);
-        const FloatW dy = (here + 0.5f) - y;
+        const FloatW dy = within(r, (here + 0.5f) - y);
         const FloatW dy2 = dy * dy;
         const IntW inMiddle = here == middle;
         PixelRow out;

@@ -112,8 +112,8 @@ describe('a profile', { timeout: 250_000 }, () => {
     const [{ line, width }] = page.asked;
     assert.equal(width, 0.5);
     assert.ok(line.flat().every((value, i) => Math.abs(value - at(10, i < 2 ? 2 : 18)[i % 2]) < 1.5 * courtSpacing), JSON.stringify(line));
-    const wall = await wallIn(page);
-    assert.ok(wall.count > 100, `${wall.count} pixels of the wall`);
+    let wall = await wallIn(page);
+    await isTrue(async () => { wall = await wallIn(page); return wall.count > 100; }, 'the wall');
     const middle = (wall.left + wall.right) / 2;
     await page.mouse.move(middle, (wall.top + wall.bottom) / 2);
     const station = at(0, 12)[1] - line[0][1];

@@ -62,7 +62,7 @@ let waits = 0;
 
 /** Waits until something holds that is seen from here, such as what a server has received; the page sends with its next display frame. */
 export async function isTrue(condition, what) {
-  for (const end = Date.now() + 10_000; !condition();) {
+  for (const end = Date.now() + 10_000; !(await condition());) {
     assert.ok(Date.now() < end, what);
     await new Promise((done) => { setTimeout(done, 10); });
   }

@@ -1,7 +1,7 @@
 // A connection's moving frames as video: H.264 to bitmaps, by the browser's decoder (WebCodecs). Each frame builds on the one before,
 // so each that comes is decoded, whether or not it is shown. Loaded when the first one comes.
 
-const patienceMs = 1500; // a decoder that holds frames back, or has died without a word, is none
+const patienceMs = 8000; // a decoder that holds frames back, or has died without a word, is none; a busy machine may take its time
 
 /** What the first parameter set says of the stream, as WebCodecs wants it: "avc1.42c01f"; '' where there is none. Pure. */
 export function codecOf(bytes) {

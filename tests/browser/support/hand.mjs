@@ -45,7 +45,7 @@ export class HandPage {
   /** The true point under a cursor, undefined for the background; by the server. */
   async truth({ x, y }) {
     const { cloud, view } = { cloud: this.wire.view.cloud, view: this.wire.view };
-    const { type, seq, pixelRatio, resume, depth, codecs, cloud: _, ...rest } = view;
+    const { type, seq, frame, pixelRatio, resume, depth, codecs, cloud: _, ...rest } = view;
     const response = await fetch(`${this.#url}api/v1/clouds/${cloud}/pick`, {
       method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ view: rest, x, y }),
     });

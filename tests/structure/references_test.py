@@ -9,7 +9,7 @@ import unittest
 
 import tree
 
-CODE = (".hpp", ".cpp", ".comp", ".glsl")
+CODE = (".hpp", ".cpp", ".inl", ".comp", ".glsl")
 INDEX = "docs/spec/README.md"
 SECTION = r"(?:§|section )(\d+(?:\.\d+)*)"
 AUTHORS = r"(?:[A-ZÉÖÜ][\w-]+(?: et al\.|(?:, [A-Z][\w-]+)* and [A-Z][\w-]+)?)"

@@ -93,7 +93,7 @@ def empty_rooms(files, rooms):
 class TheTree(unittest.TestCase):
     def setUp(self):
         self.page = tree.files(".md")["ARCHITECTURE.md"]
-        self.code = {p: t for p, t in tree.files(".hpp", ".cpp", ".comp", ".glsl").items() if p.startswith(PRODUCT)}
+        self.code = {p: t for p, t in tree.files(".hpp", ".cpp", ".inl", ".comp", ".glsl").items() if p.startswith(PRODUCT)}
 
     def test_nothing_includes_upwards(self):
         self.assertGreater(len(self.code), 300)

@@ -3,7 +3,7 @@ import os
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 NOT_OURS = {"node_modules", "seeds", "images", "__pycache__"}
-TEXT = (".hpp", ".cpp", ".comp", ".glsl", ".md", ".txt", ".cmake", ".py", ".mjs", ".js", ".sh", ".html", ".css")
+TEXT = (".hpp", ".cpp", ".inl", ".comp", ".glsl", ".md", ".txt", ".cmake", ".py", ".mjs", ".js", ".sh", ".html", ".css")
 
 
 def paths():

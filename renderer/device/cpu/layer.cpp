@@ -355,8 +355,7 @@ void Layer::smooth(const SplatPass& pass, const Planes& planes, const Owners& ow
 
 /// Sprites, whose samples are drawn in one pass.
 int Layer::framesAtOnce(std::int64_t pixels) const {
-    const bool sprites = splats_.size() == 1 && splats_.front().shape != SplatShape::Disc &&
-                         splats_.front().shape != SplatShape::Ellipse;
+    const bool sprites = splats_.size() == 1 && !ofSurfels(splats_.front());
     if (together_ != nullptr || !sprites || passes_.resolve.smooth) return 1;
     return static_cast<int>(std::clamp(mostPixelsAtOnce / std::max<std::int64_t>(1, pixels), std::int64_t{1},
                                        std::int64_t{mostFrames}));

@@ -17,11 +17,6 @@ struct PhongNumbers {
     float sun[3] = {0, 0, 1};  ///< the way to it, view space
 };
 
-/// Where the headlight is: beside the way to the eye, to the left of it and above, 30° seen from the pixel before the viewer.
-inline constexpr float lampX = -0.5f, lampY = 0.28867513f;
-/// It reaches (cos + 0.4) / 1.4 of what faces it, and that softly.
-inline constexpr float lampScale = 0.71428571f, lampOffset = 0.28571429f;
-
 /// Eye-dome lighting.
 struct EyeDomeNumbers {
     std::int32_t x[8] = {}, y[8] = {};  ///< of the neighbours, px from a pixel

@@ -6,6 +6,8 @@
 
 #include <cstdint>
 
+#include "renderer/device/host/constants.hpp"
+
 namespace scancast {
 
 /// What a splat looks like: footprint and profile together, as far as they are drawn differently.
@@ -95,13 +97,6 @@ struct SplatPass {
 /// Of a list: silhouette, nearest, cell, sum.
 inline constexpr int mostSplatPasses = 4;
 
-/// Where a pixel lies from its paraboloid's centre, on each axis: 16 bits of px · placeSteps + placeMiddle. No splat is larger than
-/// 256 px. Of borders that are smoothed, docs/spec/sprites.md §9.
-constexpr float placeSteps = 256, placeStep = 0.00390625f, placeMiddle = 32768, lastPlace = 65535;
-static_assert(placeStep * placeSteps == 1);
-/// What two paraboloids differ by is counted in the sum of their rises and in px; less than this is nothing.
-constexpr float leastRise = 1e-12f, leastSlope = 1e-6f;
-
 /// A piece of space, where samples of a run are dropped, or where alone they are kept: inside all planes, planes[i] ·
 /// (x, y, z, 1) ≥ 0 of a sample's integers.
 struct RunRegion {
@@ -137,40 +132,6 @@ struct RunNumbers {
 /// drawn, once for what a sum extends it to.
 constexpr float largestSpread = 0.5f, largestReach = 0.9f;
 constexpr float rootOf6 = 2.4494897f;
-
-/// A surface in 32 bits: the normal's x, y, z in view space (x right, y up, z towards the viewer), turned to the eye
-/// (of an oriented ellipse as it is), times normalStepsOfSurface, in signed bytes from the lowest. Above them, of an ellipse the tolerance in px: 5 bits of a
-/// float's exponent, from 2^leastTolerance on, and 3 of its mantissa; of a disc the way from the pixel to its centre, px to the
-/// right and up times offsetSteps over its half size, 4 signed bits each; of a cell the px along the ray from what is visible
-/// to where its surface lies behind a flap, as a tolerance is written.
-constexpr float normalStepsOfSurface = 127;
-constexpr int leastTolerance = -8;
-constexpr std::uint32_t toleranceBase = (127 + leastTolerance) << 23;
-constexpr int toleranceShift = 20;
-constexpr float offsetSteps = 7;
-/// Discs of a cell: a gap across the surface is the one along the ray times the cosine, and no less than this much of it.
-/// docs/spec/voronoi.md §4.
-constexpr float leastCosineOfGap = 0.25f;
-/// Cosine of two discs' normals from which on they are of one surface and not of two sides of a crease; in steps squared.
-constexpr int sameSide = 8065;
-/// Half sizes that a centre may lie off a plane and still be on it; and no plane is seen more edge-on than this.
-constexpr float creaseSlack = 0.125f, leastOpen = 0.03125f;
-/// On the distances to centres, of those that win over a crease.
-constexpr float creasePriority = 0.000244140625f;
-/// Of the cosine c of a fragment's normal and its cell's, what is left of its weight: 2 c - 1/2, at most 1.
-constexpr float blendPerStep = 0.000124000246f;
-static_assert(blendPerStep == 2.0f / (127.0f * 127.0f) && creasePriority == 1.0f / 4096);
-/// Squared cosine from which on an oriented sprite that faces away is seen from behind.
-constexpr float farAway = 0.25f;
-/// What two normals leave of a tolerance, 2 cosine + 1/2 between the least and all of it; and what is visible edge-on, with
-/// the z of its normal, whatever they say, in the splat's own half sizes: 2 - 4 |z|, at most 1. docs/spec/surfels.md §4.3.
-constexpr float leastAgreement = 0.125f;
-constexpr float agreementPerStep = 0.000124000246f, edgePerStep = 0.0314960629f;
-static_assert(agreementPerStep == 2.0f / (normalStepsOfSurface * normalStepsOfSurface));
-static_assert(edgePerStep == 4.0f / normalStepsOfSurface);
-/// Weight of what lies farther behind, but within its own tolerance: it shows where of what is visible there are only borders,
-/// as beside a crease.
-constexpr float hiddenShare = 0.03125f;
 
 /// Directions of the major axis that an ellipse byte may name (renderer/cloud/surfel_codec.hpp): 32, half a
 /// turn in all.

@@ -62,7 +62,7 @@ std::string codeOf(std::string_view text) {
     return code;
 }
 
-/// Drivers round quotients, roots and powers as they like; shaders leave them to exact.glsl and powers.glsl,
+/// Drivers round quotients, roots and powers as they like; shaders leave them to exact.glsl and formulas/powers.inl,
 /// or pictures are no longer the cpu device's. What divides integers is named here.
 TEST(ShaderSource, QuotientsAndRootsAreLeftToWhatRoundsThem) {
     const std::set<std::string> integers{

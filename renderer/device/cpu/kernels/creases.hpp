@@ -5,21 +5,10 @@
 // is ρ = (u, v, -1) in perspective, (0, 0, -1) without; normals point to the eye, so that n · ρ < 0.
 #pragma once
 
-#include "renderer/device/cpu/kernels/vectors.hpp"
-#include "renderer/device/host/splat_numbers.hpp"
+#include "renderer/device/cpu/kernels/formulas.hpp"
 
 namespace scancast::cpu {
 namespace {
-
-/// Four signed bits of a length in half sizes. Of the way from a pixel to the centre of the disc that it shows they stand
-/// above the bits of the disc's normal: to the right first, then upwards.
-template <int lanes>
-inline Int<lanes> offsetBits(Float<lanes> steps) {
-    const Float<lanes> most = Float<lanes>{} + offsetSteps;
-    const Float<lanes> low = steps > -offsetSteps ? steps : -most;
-    const Float<lanes> bounded = low < offsetSteps ? low : most;
-    return (__builtin_convertvector(bounded + (8 + 0.5f), Int<lanes>) - 8) & 15;
-}
 
 /// A visible normal, out of its bytes.
 template <int lanes>
@@ -28,7 +17,7 @@ struct Unpacked {
 
     explicit Unpacked(Int<lanes> bytes) {
         const auto part = [](Int<lanes> top) {
-            return __builtin_convertvector(top >> 24, Float<lanes>) * (1 / normalStepsOfSurface);
+            return __builtin_convertvector(top >> 24, Float<lanes>) * stepPerNormal;
         };
         x = part(bytes << 24);
         y = part(bytes << 16);
@@ -57,7 +46,7 @@ inline Verdict<lanes> meet(Int<lanes> visible, const DiscThere<lanes>& disc, Flo
                            Float<lanes> v) {
     using F = Float<lanes>;
     const Unpacked<lanes> n(visible);
-    const F pxPerStep = F{} + disc.half * (1 / offsetSteps);
+    const F pxPerStep = F{} + disc.half * halfPerStep;
     const F right = __builtin_convertvector((visible << 4) >> 28, F) * pxPerStep;
     const F up = __builtin_convertvector(visible >> 28, F) * pxPerStep;
     const F most = F{} - leastOpen;

@@ -2,6 +2,7 @@
 // docs/spec/pyramid.md §6. Part of kernels.cpp.
 #pragma once
 
+#include "renderer/device/cpu/kernels/formulas.hpp"
 #include "renderer/device/cpu/kernels/normal_plane.hpp"
 #include "renderer/device/cpu/kernels/texels.hpp"
 
@@ -97,18 +98,6 @@ void levelNormals(const LevelNormals& n, int y0, int y1) {
     }
 }
 
-/// As log2Of, for a row.
-inline FloatW log2OfRow(FloatW value) {
-    const IntW bits = reinterpret_cast<IntW>(value);
-    const IntW exponent = (bits - 0x3f3504f3) >> 23;
-    const FloatW m = reinterpret_cast<FloatW>(bits - (exponent << 23));
-    const FloatW s = (m - 1.0f) / (m + 1.0f);
-    const FloatW s2 = s * s;
-    const FloatW series = 0.41219858f + s2 * 0.32059890f;
-    const FloatW log2m = s * (2.88539008f + s2 * (0.96179669f + s2 * (0.57707802f + s2 * series)));
-    return toFloat(exponent) + log2m;
-}
-
 struct Vector3 {
     FloatW x, y, z;
 };
@@ -183,7 +172,7 @@ void pixelNormals(const PixelNormals& p, int y0, int y1) {
                 continue;
             }
             const FloatW size = p.size / (p.perspective ? depth : all(1.0f));
-            const FloatW wished = log2OfRow(larger(size, all(p.smallest)));
+            const FloatW wished = log2Of(larger(size, all(p.smallest)));
             const FloatW level = smaller(larger(wished, all(0.0f)), last);
             float least = infinity, greatest = 0;
             rangeOf(level, bits, least, greatest);

@@ -2,21 +2,10 @@
 // kernels.cpp.
 #pragma once
 
-#include "renderer/device/cpu/kernels/vectors.hpp"
+#include "renderer/device/cpu/kernels/formulas.hpp"
 
 namespace scancast::cpu {
 namespace {
-
-/// round(c · t / 255) of bytes, exactly.
-inline IntW tinted(IntW c, std::int32_t t) {
-    const IntW v = c * t + 128;
-    return (v + (v >> 8)) >> 8;
-}
-
-inline IntW throughGlass(IntW rgba, const std::int32_t tint[3]) {
-    return (rgba & static_cast<std::int32_t>(0xff000000u)) | tinted(rgba & 255, tint[0]) |
-           tinted((rgba >> 8) & 255, tint[1]) << 8 | tinted((rgba >> 16) & 255, tint[2]) << 16;
-}
 
 /// The lanes of a row's pixels from `i` on that see the glass, and its depth there.
 template <bool perspective>
@@ -67,7 +56,7 @@ void tintGlass(const Glass& g) {
     overGlass(g, [&](int row, int i, int lanes, IntW sees, FloatW depth) {
         const std::int64_t at = static_cast<std::int64_t>(row) * g.stride + i;
         const IntW rgba = loadSome<IntW>(g.rgba + at, lanes);
-        storeSome(g.rgba + at, sees ? throughGlass(rgba, g.tint) : rgba, lanes);
+        storeSome(g.rgba + at, sees ? throughGlass(rgba, g.tint[0], g.tint[1], g.tint[2]) : rgba, lanes);
         const FloatW scene = loadSome<FloatW>(g.depth + at, lanes);
         storeSome(g.depth + at, sees ? depth : scene, lanes);
     });

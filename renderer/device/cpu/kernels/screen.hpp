@@ -2,7 +2,7 @@
 // averages. Plain loops that the compiler vectorises. Part of kernels.cpp.
 #pragma once
 
-#include "renderer/device/cpu/kernels/vectors.hpp"
+#include "renderer/device/cpu/kernels/formulas.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -53,40 +53,14 @@ void resolve(const KeyTile& tile, const PixelTile& out) {
     }
 }
 
-/// log2 by halving to [sqrt(1/2), sqrt(2)) and the series of artanh; absolute error below 2 ulp of the
-/// result.
-inline float log2Of(float value) {
-    std::int32_t bits;
-    __builtin_memcpy(&bits, &value, sizeof bits);
-    const std::int32_t exponent = (bits - 0x3f3504f3) >> 23;
-    const std::int32_t mantissaBits = bits - exponent * (1 << 23);
-    float m;
-    __builtin_memcpy(&m, &mantissaBits, sizeof m);
-    const float s = (m - 1.0f) / (m + 1.0f);
-    const float s2 = s * s;
-    const float series = 0.41219858f + s2 * 0.32059890f;
-    const float log2m = s * (2.88539008f + s2 * (0.96179669f + s2 * (0.57707802f + s2 * series)));
-    return static_cast<float>(exponent) + log2m;
-}
-
-/// 2^x for x ≤ 0, by Taylor's series on [-1/2, 1/2]; relative error below 3e-7, 0 below -120.
-inline FloatW exp2Of(FloatW x) {
-    const FloatW bounded = larger(x, all(-120.0f));
-    const FloatW whole = floorOf(bounded + 0.5f);
-    const FloatW f = bounded - whole;
-    const FloatW tail = 0.0013333558f + f * 0.00015403530f;
-    const FloatW p =
-        1.0f + f * (0.69314718f + f * (0.24022651f + f * (0.055504109f + f * (0.0096181291f + f * tail))));
-    const IntW bits = (toInt(whole) + 127) << 23;
-    return x < -120.0f ? all(0.0f) : p * reinterpret_cast<FloatW>(bits);
-}
-
 void logDepth(const float* depth, float* out, int count) {
-    for (int i = 0; i < count; ++i) {
-        const bool background = depth[i] > 3.4e38f;
-        const float log = log2Of(background ? 1.0f : depth[i]);
-        out[i] = background ? __builtin_inff() : log;
-    }
+    const auto logs = [](FloatW d) {
+        const IntW background = d > 3.4e38f;
+        return background ? all(__builtin_inff()) : log2Of(background ? all(1.0f) : d);
+    };
+    int i = 0;
+    for (; i + wideLanes <= count; i += wideLanes) store(out + i, logs(load<FloatW>(depth + i)));
+    if (i < count) storeSome(out + i, logs(loadSome<FloatW>(depth + i, count - i)), count - i);
 }
 
 /// What the eight neighbours rise above a pixel, summed; a background neighbour, at +infinity, adds nothing.
@@ -98,14 +72,6 @@ inline FloatW riseOfNeighbours(const float* center, FloatW own, const EyeDome& e
         sum += larger(own - other, all(0.0f));
     }
     return sum;
-}
-
-inline IntW shaded(IntW rgba, FloatW shade) {
-    IntW out = rgba & static_cast<std::int32_t>(0xff000000u);
-    for (int shift = 0; shift < 24; shift += 8) {
-        out |= toInt(toFloat((rgba >> shift) & 255) * shade + 0.5f) << shift;
-    }
-    return out;
 }
 
 void eyeDome(const EyeDome& e) {

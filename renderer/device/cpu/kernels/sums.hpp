@@ -122,15 +122,16 @@ inline void storeSums(std::int32_t* place, Int<lanes> sums, [[maybe_unused]] std
 }
 
 /// Adds `weight` times the addends at an offset (from pixel 0, 0) of the tile, normals the other way round where `turned`;
-/// `full` collects where sums are nearly full. `second`: as above.
+/// `full` collects where sums are nearly full. `second`: as above. Inlined by decree, as are the fragments that call it:
+/// a call would move its seven vectors to memory and back.
 template <int lanes, bool normals, bool turns>
-inline void addFragments(const KeyTile& tile, std::int64_t offset, Int<lanes> weight,
-                         const Addends<lanes>& addends, Int<lanes> turned, Int<lanes>& full,
-                         std::int64_t second = sameRow<lanes>) {
+[[gnu::always_inline]] inline void addFragments(const KeyTile& tile, std::int64_t offset, Int<lanes> weight,
+                                                const Addends<lanes>& addends, Int<lanes> turned,
+                                                Int<lanes>& full, std::int64_t second = sameRow<lanes>) {
     // Read before anything is written: it might be the tile itself, as far as the compiler knows.
     std::int32_t* place = tile.sums + offset;
     const std::int64_t step = tile.planeSize;
-    const auto add = [&](Int<lanes> value) {
+    const auto add = [&](Int<lanes> value) __attribute__((always_inline)) {
         const Int<lanes> sum = loadSums<lanes>(place, second) + value;
         storeSums<lanes>(place, sum, second);
         place += step;
@@ -141,7 +142,9 @@ inline void addFragments(const KeyTile& tile, std::int64_t offset, Int<lanes> we
     add(smallProduct(weight, addends.green));
     add(smallProduct(weight, addends.blue));
     if constexpr (normals) {
-        const auto turn = [&](Int<lanes> value) { return turns ? (value ^ turned) - turned : value; };
+        const auto turn = [&](Int<lanes> value) __attribute__((always_inline)) {
+            return turns ? (value ^ turned) - turned : value;
+        };
         add(turn(smallProduct(weight, addends.x)));
         add(turn(smallProduct(weight, addends.y)));
         add(turn(smallProduct(weight, addends.z)));

@@ -56,7 +56,7 @@ struct alignas(64) Surfels {
     /// How the normal turns, per px to the right and down.
     float bendRight[3][surfelRow], bendDown[3][surfelRow];
     std::int32_t bent[surfelRow];     ///< -1: it does
-    std::int32_t surface[surfelRow];  ///< host/splat_numbers.hpp; its normal turned to the eye
+    std::int32_t surface[surfelRow];  ///< formulas/constants.inl; its normal turned to the eye
     std::int32_t anySide[surfelRow];  ///< -1: its normal may be turned
     std::int32_t reaches[surfelRow];
     std::uint16_t list[surfelRow];  ///< those that reach into the tile
@@ -369,7 +369,7 @@ void setUpEllipses(const SplatPass& pass, const SplatRun& run, std::uint32_t fir
         store(s.tolerance + i, tolerance);
         storeFront(pass, d, all(0.0f), tolerance * p.unitsPerPx, i, s);
         store(s.reaches + i, p.drawn);
-        storeCommon(pass, run, b, i, p, toleranceCode<wideLanes>(tolerance) << 24, s);
+        storeCommon(pass, run, b, i, p, toleranceCode(tolerance) << 24, s);
         if (s.bends) storeBends(pass, run, b, first, i, p, load<FloatW>(s.peak + i), s);
     }
 }

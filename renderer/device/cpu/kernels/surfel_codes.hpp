@@ -3,6 +3,7 @@
 #pragma once
 
 #include "renderer/cloud/surfel_bytes.hpp"
+#include "renderer/device/cpu/kernels/formulas.hpp"
 #include "renderer/device/cpu/kernels/view_normals.hpp"
 #include "renderer/device/host/splat_numbers.hpp"
 
@@ -23,25 +24,10 @@ inline void decodeAxes(const SplatPass& pass, const Block& b, AxisCodes& out) {
         const std::uint32_t code = word >> 24;
         const bool known = radius != noRadius && radius != outlierCode && pass.radii != nullptr;
         out.major[i] = known ? majorPerRadius : 1.0f;
-        out.ratio[i] = 1.0f - static_cast<float>(static_cast<std::int32_t>(code >> 5)) * pass.ratioStep;
+        out.ratio[i] = ratioOf(static_cast<std::int32_t>(code), pass.ratioStep);
         out.cosine[i] = axisDirections.cosine[code & (axisAngles - 1)];
         out.sine[i] = axisDirections.sine[code & (axisAngles - 1)];
     }
-}
-
-/// Of a unit normal in cloud space, one unit long: Frisvad's frame, turned by the angle.
-inline void axisAt(FloatW nx, FloatW ny, FloatW nz, FloatW c, FloatW s, FloatW& x, FloatW& y, FloatW& z) {
-    const FloatW flat = nx * nx + ny * ny;
-    const IntW down = nz < 0.0f, pole = down & (flat == 0.0f);
-    const FloatW above = down ? 1.0f - nz : all(1.0f);
-    const FloatW below = down ? flat : 1.0f + nz;
-    const FloatW a = above / (pole ? all(1.0f) : below);
-    const FloatW b = -nx * ny * a;
-    const FloatW firstX = pole ? all(0.0f) : 1.0f - nx * nx * a, firstY = pole ? all(-1.0f) : b;
-    const FloatW secondX = pole ? all(-1.0f) : b, secondY = pole ? all(0.0f) : 1.0f - ny * ny * a;
-    x = firstX * c + secondX * s;
-    y = firstY * c + secondY * s;
-    z = pole ? all(0.0f) : -(nx * c + ny * s);
 }
 
 inline void majorAxis(FloatW nx, FloatW ny, FloatW nz, const AxisCodes& codes, int i, FloatW& x, FloatW& y,

@@ -2,23 +2,13 @@
 #pragma once
 
 #include "renderer/device/cpu/kernels/creases.hpp"
+#include "renderer/device/cpu/kernels/formulas.hpp"
 #include "renderer/device/cpu/kernels/sums.hpp"
 #include "renderer/device/cpu/kernels/surfaces.hpp"
 #include "renderer/device/cpu/kernels/surfel_block.hpp"
 
 namespace scancast::cpu {
 namespace {
-
-/// exp(-3 x) for x in [0, 1], by the eighth power of a cubic; error below 3e-5, a tenth of a
-/// weight's step.
-template <int lanes>
-inline Float<lanes> bell(Float<lanes> x) {
-    const Float<lanes> y = x * -0.375f;
-    Float<lanes> p = 1.0f + y * (0.99993855f + y * (0.49703766f + y * 0.14508711f));
-    p = p * p;
-    p = p * p;
-    return p * p;
-}
 
 /// `extra`: Nearest carries colours in its keys; Sum adds normals. `rows`: how many the lanes are pixels of, one or two.
 template <Shape shape, Reduction reduction, bool perspective, bool extra, int lanes, int rows>
@@ -85,7 +75,7 @@ class SurfelFragments {
         const F numbers = laneNumbers<lanes>() - rowNumbers() * static_cast<float>(columns);
         middle_ = static_cast<float>(column) + 0.5f + numbers;
         dx_ = middle_ - x_;
-        if (disc && nearest && surfaces_) column_ = payload_ | offsetBits<lanes>(-dx_ * stepsPerPx_) << 24;
+        if (disc && nearest && surfaces_) column_ = payload_ | offsetBits(-dx_ * stepsPerPx_) << 24;
         const I places = __builtin_convertvector(numbers, I) + column;
         center_ = places == centerColumn_;
         if constexpr (sums) inside_ = places <= last;
@@ -101,7 +91,7 @@ class SurfelFragments {
     }
 
     /// The lanes of a row, or of two, at this offset from the tile's pixel (0, 0).
-    void draw(std::int64_t offset, std::int32_t row) {
+    [[gnu::always_inline]] void draw(std::int64_t offset, std::int32_t row) {
         const F visible = loadOrders<lanes>((nearest ? tile_.keys : tile_.visible) + offset, second());
         // Hidden: nothing of it needs to be computed. Without a depth, which is not a number, comparisons do
         // not hold: there the nearest pass draws, and the others do not.
@@ -141,7 +131,7 @@ class SurfelFragments {
     std::int64_t second() const { return rows == 2 ? tile_.stride : sameRow<lanes>; }
 
     /// `c`: depth = d / c in perspective, else the depth itself; `y`: of the pixels' centres.
-    void reduce(std::int64_t offset, F y, F visible, F square, F c, I covered) {
+    [[gnu::always_inline]] void reduce(std::int64_t offset, F y, F visible, F square, F c, I covered) {
         if constexpr (sums && disc) covered &= notBehind(visible, c, tolerance_);
         if (tile_.silhouette != nullptr) {
             const F border = loadOrders<lanes>(tile_.silhouette + offset, second());
@@ -186,11 +176,11 @@ class SurfelFragments {
         const Verdict<lanes> verdict = meet<lanes>(surface, here_, gap, u, v);
         covered &= ~(other & verdict.shunned);
         order = other & verdict.wins ? order * creasePriority : order;
-        if (surfaces_) below |= other & toleranceCode<lanes>(gap) << 24;
+        if (surfaces_) below |= other & toleranceCode(gap) << 24;
     }
 
     /// Adds what belongs to the surface that is visible there, as that surface itself says.
-    void add(std::int64_t offset, F dy, F visible, F square, F c, I covered) {
+    [[gnu::always_inline]] void add(std::int64_t offset, F dy, F visible, F square, F c, I covered) {
         if (disc && !anyOf<lanes>(covered)) return;
         const I surface = loadPayloads<lanes>(tile_.surfaces + offset, second());
         F share = F{} + 1.0f;
@@ -203,9 +193,9 @@ class SurfelFragments {
         } else {
             covered &= within(visible, tolerance_, c);
             // Most lie so near that it does not matter which way they face.
-            const I beyond = covered & ~within(visible, leastReach<lanes>(surface, tolerance_), c);
+            const I beyond = covered & ~within(visible, leastReach(surface, tolerance_), c);
             if (anyOf<lanes>(beyond)) {
-                const F reach = reachBehind<lanes>(surface, surface_, tolerance_, radius_);
+                const F reach = reachBehind(surface, surface_.agreement(surface), tolerance_, radius_);
                 share = beyond & ~within(visible, reach, c) ? F{} + hiddenShare : share;
             }
         }
@@ -247,7 +237,7 @@ class SurfelFragments {
 
     /// The depth of a cell's surface, by what is visible and its payload.
     F behind(F visible, I surface) const {
-        const F units = toleranceOf<lanes>(surface) * unitsPerPx_;
+        const F units = toleranceOf(surface) * unitsPerPx_;
         return perspective ? visible + visible * units : visible + units;
     }
 
@@ -276,7 +266,7 @@ class SurfelFragments {
             const F t = placeOnDisc(square, c);
             return 1.0f - (t * t) * (3.0f - 2.0f * t);
         } else {
-            return peak_ * bell<lanes>(square < 1.0f ? square : F{} + 1.0f);
+            return peak_ * bell(smaller(square, all(1.0f)));
         }
     }
 
@@ -286,7 +276,7 @@ class SurfelFragments {
             return payload_;
         } else if constexpr (!extra) {
             if constexpr (!disc) return payload_;
-            return surfaces_ ? column_ | offsetBits<lanes>(dy * stepsPerPx_) << 28 : payload_;
+            return surfaces_ ? column_ | offsetBits(dy * stepsPerPx_) << 28 : payload_;
         } else {
             const F d = (dx_ * dx_ + dy * dy) * distance_;
             const F bounded = d < 255.0f ? d : F{} + 255.0f;

@@ -3,6 +3,7 @@
 #version 450 core
 #include "layouts_screen.glsl"
 #include "exact.glsl"
+#include "formulas.glsl"
 
 layout(local_size_x = 32, local_size_y = 8) in;
 
@@ -15,6 +16,8 @@ layout(std430, binding = 3) readonly buffer ReflectedColors { uint reflectedColo
 layout(std430, binding = 4) readonly buffer ReflectedDepths { float reflectedDepths[]; };
 layout(std430, binding = 5) readonly buffer ReflectedNormals { uint reflectedNormals[]; };
 #endif
+
+#include "light.inl"
 
 float linearAt(vec4 values, vec2 pixel) {
     precise float value = (values.x + pixel.y * values.z) + pixel.x * values.y;
@@ -36,12 +39,6 @@ bool seesGlass(ivec2 at, float scene, out float depth) {
     return inFront && right <= edge && right >= -edge && up <= edge && up >= -edge && front <= scene;
 }
 
-// round(c * t / 255), exactly.
-uint tinted(uint c, int t) {
-    uint v = c * uint(t) + 128u;
-    return (v + (v >> 8)) >> 8;
-}
-
 void main() {
     ivec2 own = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(own, glass.reflected.zw))) return;
@@ -55,9 +52,7 @@ void main() {
     depths[pixel] = reflectedDepths[from];
     if (glass.tint.w != 0) normals[pixel] = reflectedNormals[from];
 #else
-    uint rgba = colors[pixel];
-    colors[pixel] = (rgba & 0xff000000u) | tinted(rgba & 255u, glass.tint.x) |
-                    tinted((rgba >> 8) & 255u, glass.tint.y) << 8 | tinted((rgba >> 16) & 255u, glass.tint.z) << 16;
+    colors[pixel] = uint(throughGlass(int(colors[pixel]), glass.tint.x, glass.tint.y, glass.tint.z));
     depths[pixel] = depth;
 #endif
 }

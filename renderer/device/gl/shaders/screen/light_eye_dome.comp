@@ -3,6 +3,7 @@
 #version 450 core
 #include "layouts_screen.glsl"
 #include "exact.glsl"
+#include "formulas.glsl"
 
 layout(local_size_x = 32, local_size_y = 8) in;
 
@@ -10,7 +11,8 @@ layout(std140, binding = 0) uniform Params { EyeDomeLight pass; };
 layout(std430, binding = 0) buffer Colors { uint colors[]; };
 layout(std430, binding = 1) readonly buffer Depths { float depths[]; };
 
-#include "powers.glsl"
+#include "light.inl"
+#include "powers.inl"
 
 const float background = 3.4e38;
 
@@ -37,11 +39,5 @@ void main() {
     }
     precise float exponent = -(pass.strength.x * sum);
     float shade = exp2Of(exponent);
-    uint before = colors[pixel];
-    uint after = before & 0xff000000u;
-    for (int shift = 0; shift < 24; shift += 8) {
-        precise float channel = float((before >> shift) & 255u) * shade + 0.5;
-        after |= uint(channel) << shift;
-    }
-    colors[pixel] = after;
+    colors[pixel] = uint(shaded(int(colors[pixel]), shade));
 }

@@ -3,6 +3,7 @@
 #version 450 core
 #include "layouts_screen.glsl"
 #include "exact.glsl"
+#include "formulas.glsl"
 #include "pyramid.glsl"
 
 layout(local_size_x = 32, local_size_y = 8) in;
@@ -17,7 +18,7 @@ float depthAt(int level, ivec2 at) {
 }
 
 #include "normal_plane.glsl"
-#include "powers.glsl"
+#include "powers.inl"
 #include "surface_normal.glsl"
 
 // A level's bilinear value; level >= 1.

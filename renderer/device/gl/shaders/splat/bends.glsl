@@ -13,7 +13,7 @@ Bend bendOf(RunParams run, vec3 cloud, vec3 n, uint code) {
     float perUnit = quotient(1.0, unit);
     precise float k1 = uintBitsToFloat(tables[curvatureWords + (code & 255u)]) * perUnit;
     precise float k2 = uintBitsToFloat(tables[curvatureWords + ((code >> 8) & 255u)]) * perUnit;
-    vec3 e1 = toView(axisAt(cloud, (code >> 16) & 31u));
+    vec3 e1 = toView(axisOf(cloud, (code >> 16) & 31u));
     precise float x = n.y * e1.z - n.z * e1.y;
     precise float y = n.z * e1.x - n.x * e1.z;
     precise float z = n.x * e1.y - n.y * e1.x;

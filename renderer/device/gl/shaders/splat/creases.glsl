@@ -1,20 +1,11 @@
 // Where discs meet at an angle: which of two is the surface, and which only hangs over it, as kernels/creases.hpp decides; the
 // frame is explained there: x right, y up, z towards the viewer. Variants: REDUCTION, PAYLOAD, SHAPE, PERSPECTIVE.
 #if SHAPE == SHAPE_DISC && REDUCTION != REDUCTION_SUM
-const float offsetSteps = 7.0, stepPerNormal = 0.00787401572, halfPerStep = 0.142857149;
-
-// Four signed bits of a length in half sizes.
-uint offsetBits(float steps) {
-    float bounded = min(max(steps, -offsetSteps), offsetSteps);
-    precise float whole = bounded + 8.5;
-    return uint(int(whole) - 8) & 15u;
-}
-
 // From a pixel to the centre of the disc that it shows, above the bits of the disc's normal; px to the right and up.
 uint withOffset(uint normal, vec2 offset, float halfPx) {
     float stepsPerPx = quotient(offsetSteps, halfPx);
     precise vec2 steps = offset * stepsPerPx;
-    return normal | offsetBits(steps.x) << 24 | offsetBits(steps.y) << 28;
+    return normal | uint(offsetBits(steps.x)) << 24 | uint(offsetBits(steps.y)) << 28;
 }
 
 // What becomes of a disc that lies behind a visible one of another direction.
@@ -25,7 +16,6 @@ const int discShunned = 2;    // it is not: it goes on behind a concave one
 // `disc`: its normal; `offset`: px to its centre, right and up; `gap`: px along the ray (uv, -1) from the visible one to the
 // disc.
 int meet(uint visible, vec3 disc, vec2 offset, float halfPx, float gap, vec2 uv) {
-    const float leastOpen = 0.03125, creaseSlack = 0.125;
     precise vec3 n = vec3(ivec3(int(visible << 24), int(visible << 16), int(visible << 8)) >> 24) * stepPerNormal;
     precise float pxPerStep = halfPx * halfPerStep;
     precise vec2 there = vec2(ivec2(int(visible << 4), int(visible)) >> 28) * pxPerStep;

@@ -2,7 +2,7 @@
 // the cpu device does (kernels/resolve.hpp). Needs `pass` (ResolveParams), RunParams, exact.glsl and sample_places.glsl.
 
 struct Owner {
-    uint place;    // x | y << 16 (placeSteps of host/splat_numbers.hpp)
+    uint place;    // x | y << 16 (placeSteps of formulas/constants.inl)
     float halfPx;  // half the sprite's size
 };
 

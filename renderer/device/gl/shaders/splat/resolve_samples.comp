@@ -4,6 +4,7 @@
 #include "splat_kinds.glsl"
 #include "layouts_splat.glsl"
 #include "exact.glsl"
+#include "formulas.glsl"
 #include "resolve_area.glsl"
 #include "read_keys.glsl"
 
@@ -29,6 +30,7 @@ layout(std430, binding = 4) writeonly buffer Halves { float halves[]; };
 #if COLORING != COLOR_CURVATURE && COLORING != COLOR_INFRARED
 #include "beside.glsl"
 #endif
+#include "ellipses.inl"
 #include "axes.glsl"
 #include "bends.glsl"
 #endif

@@ -3,6 +3,7 @@
 #version 450 core
 #include "layouts_splat.glsl"
 #include "exact.glsl"
+#include "formulas.glsl"
 
 layout(local_size_x = 32, local_size_y = 8) in;
 
@@ -13,8 +14,6 @@ layout(std430, binding = 2) readonly buffer Depth { float depth[]; };
 layout(std430, binding = 3) readonly buffer Rgba { uint rgba[]; };
 layout(std430, binding = 4) writeonly buffer Smoothed { uint smoothed[]; };
 
-// As host/splat_numbers.hpp has them.
-const float placeStep = 0.00390625, placeMiddle = 32768.0, leastRise = 1e-12, leastSlope = 1e-6;
 const float background = 3.4e38, far = 1e30;
 
 // The paraboloid that a pixel shows. From its centre to a pixel: x, y.

@@ -20,13 +20,16 @@ layout(std430, binding = 2) readonly buffer Chunks { SplatChunk chunks[]; };
 layout(location = 0) uniform uint firstChunk;
 
 #include "exact.glsl"
+#include "formulas.glsl"
 #include "splat_tables.glsl"
+#include "ellipses.inl"
 #include "axes.glsl"
 #include "colors.glsl"
 #include "sample_places.glsl"
 #include "project.glsl"
 #include "visible.glsl"
 #include "sample_normals.glsl"
+#include "surfaces.inl"
 #include "surfaces.glsl"
 #include "creases.glsl"
 #if REDUCTION == REDUCTION_SUM

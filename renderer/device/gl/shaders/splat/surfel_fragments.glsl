@@ -1,16 +1,6 @@
 // One surfel's fragments, as kernels/surfel_fragments.hpp reduces them. Variants: SHAPE, REDUCTION, PERSPECTIVE, SILHOUETTE,
 // CURVED.
 
-// exp(-3 x) for x in [0, 1], by the eighth power of a cubic.
-float bell(float x) {
-    precise float y = x * -0.375;
-    precise float p = 1.0 + y * (0.99993855 + y * (0.49703766 + y * 0.14508711));
-    precise float p2 = p * p;
-    precise float p4 = p2 * p2;
-    precise float p8 = p4 * p4;
-    return p8;
-}
-
 // Below, `c` tells the depth: d / c in perspective, else the depth itself.
 float depthOf(Footprint f, float c) {
 #if PERSPECTIVE
@@ -79,7 +69,7 @@ float weightOf(Footprint f, float square, float c) {
     float t = placeOnDisc(square, c);
     precise float weight = 1.0 - (t * t) * (3.0 - 2.0 * t);
 #else
-    precise float weight = f.peak * bell(min(square, 1.0));
+    precise float weight = f.peak * bell(smaller(square, 1.0));
 #endif
     return weight;
 }
@@ -98,10 +88,10 @@ bool seeCreases(Footprint f, ivec2 at, uint pixel, vec2 d, float visible, float 
     const vec2 uv = vec2(0.0);
 #endif
     int verdict = meet(surface, f.facing, vec2(-d.x, d.y), f.halfPx, gap, uv);
-    precise float before = order * 0.000244140625;
+    precise float before = order * creasePriority;
     if (verdict == discWins) order = before;
 #if PAYLOAD == PAYLOAD_SURFACE
-    payload |= toleranceCode(gap) << 24;
+    payload |= uint(toleranceCode(gap)) << 24;
 #endif
     return verdict != discShunned;
 }
@@ -126,7 +116,7 @@ void reduce(Footprint f, ivec2 at, uint pixel, vec2 d, float square, float c) {
     precise float left = float(turned ? -cosine : cosine) * blendPerStep - 0.5;
     if (!(left > 0.0)) return;
     float share = min(left, 1.0);
-    precise float units = toleranceOf(surface) * pass.surfel.y;
+    precise float units = toleranceOf(int(surface)) * pass.surfel.y;
 #if PERSPECTIVE
     precise float there = visible + visible * units;
 #else
@@ -136,7 +126,7 @@ void reduce(Footprint f, ivec2 at, uint pixel, vec2 d, float square, float c) {
 #else
     float share = 1.0;
     if (!within(f, c, visible, f.tolerance)) return;
-    float reach = reachBehind(surface, turned ? -cosine : cosine, f.tolerance, f.radius);
+    float reach = reachBehind(int(surface), turned ? -cosine : cosine, f.tolerance, f.radius);
     if (!within(f, c, visible, reach)) share = hiddenShare;
 #endif
 #endif

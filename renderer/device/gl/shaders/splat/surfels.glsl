@@ -54,7 +54,7 @@ struct Rows {
     float inverseY, skew, narrow;
 };
 
-const float leastHalf = 1e-3, leastCosine = 1e-4, leastCosineOfGap = 0.25;
+const float leastHalf = 1e-3, leastCosine = 1e-4;
 
 uint radiusCode(uvec4 words) { return (words.w >> 16) & 255u; }
 
@@ -253,10 +253,9 @@ struct Axes {
 };
 
 void setAxes(Pose p, uint code, out Axes axes) {
-    vec3 view = toView(axisAt(p.cloud, code & 31u));
+    vec3 view = toView(axisOf(p.cloud, code & 31u));
     vec3 d = p.hasNormal ? vec3(view.x, -view.y, -view.z) : vec3(1.0, 0.0, 0.0);
-    precise float ratio = 1.0 - float(code >> 5) * pass.blur.w;
-    precise float minor = p.halfPx * ratio;
+    precise float minor = p.halfPx * ratioOf(int(code), pass.blur.w);
     precise vec3 a = p.halfPx * d;
     precise float bx = minor * (p.n.y * d.z - p.n.z * d.y);
     precise float by = minor * (p.n.z * d.x - p.n.x * d.z);
@@ -327,7 +326,7 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
     f.peak = min(peak, 1.0);
     setDepths(p, depthRange(axes), f);
 #if PAYLOAD == PAYLOAD_SURFACE
-    setCommon(placed, p, payload, toleranceCode(f.tolerance) << 24, f);
+    setCommon(placed, p, payload, uint(toleranceCode(f.tolerance)) << 24, f);
 #else
     setCommon(placed, p, payload, 0u, f);
 #endif

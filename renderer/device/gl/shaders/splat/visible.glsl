@@ -5,7 +5,7 @@ const uint infiniteOrder = 0x7f800000u;
 #if REDUCTION != REDUCTION_NEAREST
 #include "visible_order.glsl"
 
-// What is visible there (host/splat_numbers.hpp): payloads of the cells' keys where there are any, else of the nearest's.
+// What is visible there (formulas/constants.inl): payloads of the cells' keys where there are any, else of the nearest's.
 layout(binding = 2) uniform usamplerBuffer surfaces;
 uint surfaceThere(uint pixel) { return texelFetch(surfaces, int(pixel)).x; }
 #endif

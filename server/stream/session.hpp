@@ -126,6 +126,8 @@ class StreamSession {
         bool taken = false;    // from the session that this one follows
         bool asVideo = false;  // if it can be
     };
+    static bool isStill(const Order& order) { return order.still.has_value(); }
+
     void handle(const messages::Hello& hello, Time now);
     void handle(const messages::ViewChange& change, Time now);
     void handle(const messages::QualityLimits& quality, Time now);
@@ -142,6 +144,8 @@ class StreamSession {
     void chooseCodec(messages::Welcome& welcome);
     bool drawsVideo() const;
     bool continuesVideo(const EncodedPicture& picture);
+    static Coding codingOf(const EncodedPicture& picture);
+    void noteVideo(const Order& order, const EncodedPicture& picture);
     void followLeader(Time now);
     void leaderLeft();
     void refuse(Problem problem, std::optional<std::uint64_t> seq);

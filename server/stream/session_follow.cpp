@@ -68,11 +68,6 @@ void StreamSession::takeShared(Time now) {
     room_ = hasRoom(now);
 }
 
-// Whoever is followed has its moving frames as JPEG: a video's frames are for its own decoder, and one picture can go to all.
-bool StreamSession::drawsVideo() const {
-    return video_ && (options_.registration == nullptr || !options_.registration->leads());
-}
-
 void StreamSession::share(const Order& order, const EncodedPicture& picture) {
     const bool isEverybodys = picture.codec == Codec::Jpeg && !order.taken;
     if (options_.registration == nullptr || !isEverybodys || !options_.registration->leads()) return;

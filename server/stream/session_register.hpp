@@ -144,11 +144,16 @@ class SessionRegister {
 
     void leave(const SessionRegistration& registration);
     void renameLocked(SessionRegistration& registration, const std::string& id);
+    bool leadsLocked(const std::string& id) const;
+    void endFollowingLocked(Entry& follower);
     Sessions followersLocked(const std::string& id) const;
     static void wake(const Sessions& sessions);
 
     mutable std::mutex mutex_;
     std::map<std::string, Entry, std::less<>> entries_;
+    /// How many follow an id, of those that anybody follows; also when its session is gone, as long as they say that they do: the
+    /// one that takes the id again leads them. Asked for every moving frame.
+    std::map<std::string, std::size_t> followers_;
     std::uint64_t last_ = 0;
 };
 

@@ -4,8 +4,8 @@
 
 #include <set>
 
+#include "tests/support/needs_video.hpp"
 #include "tests/unit/server/stream/session_fixture.hpp"
-#include "video/openh264.hpp"
 
 namespace scancast::test {
 namespace {
@@ -265,8 +265,7 @@ TEST(Followers, WhoComesLaterIsNotSentWhatWasSharedLongAgo) {
 }
 
 TEST(Followers, WhoHasVideoHasJpegWhileItIsFollowed) {
-    if (const auto library = openH264(); !library)
-        GTEST_SKIP() << "NOT TESTED: video, because " << library.error().message;
+    SCANCAST_NEEDS_VIDEO();
     Audience audience;
     const auto leader = audience.enter({{"codecs", {"h264", "jpeg"}}}, audience.world);
     ASSERT_EQ(leader->texts.at(0)["movingCodec"], "h264");

@@ -193,6 +193,7 @@ tl::expected<SharedView, Problem> StreamSession::change(const messages::ViewChan
     auto scene = scenes_.changed(scene_, change);
     if (!scene) return passOn(std::move(scene));
     if (change.follow) {
+        notShown_.reset();
         if (change.follow->empty()) {
             if (options_.registration != nullptr) options_.registration->unfollow();
         } else if (auto followed = options_.registration->follow(*change.follow); !followed) {
@@ -276,13 +277,27 @@ void StreamSession::followLeader(Time now) {
     if (!shown) return leaderLeft();
     leaderHasThisSize_ = shown->view.width == scene_.view.width && shown->view.height == scene_.view.height;
     auto scene = scenes_.followed(*shown, scene_.view.width, scene_.view.height);
-    if (!scene) return refuse(std::move(scene.error()), std::nullopt);
+    if (!scene) return sayNotShown(std::move(scene.error()));
+    notShown_.reset();
     scene->seq = scene_.seq;
     if (scene->cloud != scene_.cloud || scene->view != scene_.view) show(std::move(*scene), now);
 }
 
+// Once, however many views of its and pictures come that are as these; numbers in the sentence may differ.
+void StreamSession::sayNotShown(Problem problem) {
+    const auto isSame = [&](const Problem& said) {
+        return said.status == problem.status &&
+               std::ranges::equal(said.errors, problem.errors, {}, &Problem::Cause::parameter,
+                                  &Problem::Cause::parameter);
+    };
+    if (notShown_ && isSame(*notShown_)) return;
+    notShown_ = problem;
+    refuse(std::move(problem), std::nullopt);
+}
+
 void StreamSession::leaderLeft() {
     options_.registration->unfollow();
+    notShown_.reset();
     if (options_.endsWithLeader)
         return close(CloseCode::GoingAway, "The session that this one followed has ended.");
     refuse(SceneResolver::followProblem(

@@ -16,8 +16,6 @@ std::uint32_t microseconds(double milliseconds) {
 
 // One is drawn while another waits for its turn, or for its encoder.
 constexpr std::size_t mostInMaking = 2;
-// How long a session goes without a picture that the one it follows is to send, before it orders its own.
-constexpr std::chrono::milliseconds patienceWithLeader{150}, patienceWithStill{1000};
 // How far prefetching looks ahead: about what a disk needs for a screenful.
 constexpr double aheadSeconds = 0.3;
 
@@ -89,15 +87,19 @@ bool StreamSession::hasQuiet(Time now) const {
     return unacknowledged() + outstanding_.size() >= window_.quietFrames(quality_.link().wantedQuiet(now));
 }
 
-// Orders what is due.
 void StreamSession::pump(Time now) {
     if (state_ != State::Open) return;
+    orderDue(now);
+    noteMaking();
+}
+
+void StreamSession::orderDue(Time now) {
     quiet_ = hasQuiet(now);
     room_ = hasRoom(now);
     takeShared(now);
-    if (awaits_ && fresh_ && now >= freshSince_ + patienceWithLeader) {
+    if (awaits_ && fresh_ && now >= freshSince_ + patienceWithLeader()) {
         awaits_ = false;
-        leaderRests_ = true;  // it is waited for again when a picture of its has been sent
+        leaderRests_ = true;  // it is waited for again when it has sent a picture
     }
     if (fresh_ && room_ && !quiet_ && !awaits_ && pace_.allows(viewTime_, limits_.fps, now)) {
         fresh_ = false;
@@ -229,10 +231,10 @@ void StreamSession::sendStats(const Order& order, const EncodedPicture& picture,
 std::optional<StreamSession::Time> StreamSession::due() const {
     if (fresh_) {
         const Time paced = pace_.due(limits_.fps);
-        return awaits_ ? std::max(paced, freshSince_ + patienceWithLeader) : paced;
+        return awaits_ ? std::max(paced, freshSince_ + patienceWithLeader()) : paced;
     }
     auto still = stills_.dueAt(!outstanding_.empty());
-    if (still && awaits_) still = std::max(*still, viewTime_ + patienceWithStill);
+    if (still && awaits_) still = std::max(*still, viewTime_ + patienceWithStill());
     return still;
 }
 

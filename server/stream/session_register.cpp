@@ -232,11 +232,17 @@ void SessionRegistration::share(std::shared_ptr<const SharedPicture> picture) {
     SessionRegister::wake(followers);
 }
 
-std::shared_ptr<const SharedPicture> SessionRegistration::leadersPicture() const {
+void SessionRegistration::makes(bool one) {
+    const std::lock_guard lock(sessions_.mutex_);
+    sessions_.entries_.at(id_).makes = one;
+}
+
+SessionRegistration::LeadersPicture SessionRegistration::leadersPicture() const {
     const std::lock_guard lock(sessions_.mutex_);
     const std::string& leader = sessions_.entries_.at(id_).facts.follows;
     const auto at = leader.empty() ? sessions_.entries_.end() : sessions_.entries_.find(leader);
-    return at == sessions_.entries_.end() ? nullptr : at->second.picture;
+    if (at == sessions_.entries_.end()) return {};
+    return {at->second.picture, at->second.makes, true};
 }
 
 tl::expected<SharedView, Problem> SessionRegistration::mayFollow(const std::string& leader) const {

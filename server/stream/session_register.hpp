@@ -97,8 +97,16 @@ class SessionRegistration {
     bool leads() const;
     /// It has sent this: followers are told. Kept while there are any, until the next one.
     void share(std::shared_ptr<const SharedPicture> picture);
-    /// The newest that the followed session has sent; null when there is none.
-    std::shared_ptr<const SharedPicture> leadersPicture() const;
+    /// Whether a picture of its that it may share is being made.
+    void makes(bool one);
+    struct LeadersPicture {
+        std::shared_ptr<const SharedPicture>
+            newest;            ///< that the followed session has sent; null when there is none
+        bool makes = false;    ///< the next one
+        bool follows = false;  ///< there is such a session
+    };
+    /// What there is of the followed session's pictures.
+    LeadersPicture leadersPicture() const;
     /// What that session shows, if it can be followed: 404 when there is none of that id, 503 when it shows
     /// nothing yet, 409 for oneself and wherever a follower would be followed.
     tl::expected<SharedView, Problem> mayFollow(const std::string& leader) const;
@@ -139,6 +147,7 @@ class SessionRegister {
         std::weak_ptr<LiveSession> session;
         SessionRegistration* registration = nullptr;
         std::shared_ptr<const SharedPicture> picture{};  // for followers
+        bool makes = false;                              // another one
     };
     using Sessions = std::vector<std::weak_ptr<LiveSession>>;
 

@@ -231,6 +231,28 @@ TEST_F(FollowTest, ARefusedLeaderLeavesTheSessionAsItWas) {
     EXPECT_EQ(port.texts.at(2)["type"], "problem");
 }
 
+TEST_F(FollowTest, WhyALeadersViewsCannotBeShownIsSaidOnce) {
+    hello();
+    say({{"type", "view"}, {"seq", 1}, {"follow", leader->id()}});
+    const auto second = std::exchange(world.second, nullptr);
+    for (int i = 0; i < 5; ++i) {
+        leader->show({"second", leaderView(i), std::uint64_t(i)});
+        session->lookAround(now);
+    }
+    const auto problems = [&] {
+        return std::ranges::count_if(port.texts, [](const json& text) { return text["type"] == "problem"; });
+    };
+    EXPECT_EQ(problems(), 1);
+    world.second = second;
+    session->lookAround(now);
+    world.second.reset();
+    for (int i = 0; i < 5; ++i) {
+        leader->show({"second", leaderView(i), std::uint64_t(i)});
+        session->lookAround(now);
+    }
+    EXPECT_EQ(problems(), 2) << "which is news again";
+}
+
 TEST_F(FollowTest, WhenTheLeaderLeavesTheFollowerIsToldAndStays) {
     hello();
     say({{"type", "view"}, {"seq", 1}, {"follow", leader->id()}});

@@ -1,30 +1,17 @@
 #include "server/stream/session.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "protocol/view/view_json.hpp"
 #include "renderer/render.hpp"
-#include "renderer/residency/motion.hpp"
 
 namespace scancast {
 namespace {
 
-std::uint32_t microseconds(double milliseconds) {
-    return std::uint32_t(
-        std::clamp(milliseconds * 1000, 0.0, double(std::numeric_limits<std::uint32_t>::max())));
-}
-
 // Each has a picture drawn; who asks faster than it is answered gains nothing by a longer queue.
 constexpr int mostPicks = 4;
-// One is drawn while another waits for its turn, or for its encoder.
-constexpr std::size_t mostInMaking = 2;
-// How long a session goes without a picture that the one it follows is to send, before it orders its own.
-constexpr std::chrono::milliseconds patienceWithLeader{150}, patienceWithStill{1000};
-// How far prefetching looks ahead: about what a disk needs for a screenful.
-constexpr double aheadSeconds = 0.3;
 
 bool mayLackBlocks(const Cloud& cloud) {
     return !cloud.octree.nodes().empty() && !cloud.octree.store().whole();
@@ -33,10 +20,6 @@ bool mayLackBlocks(const Cloud& cloud) {
 /// What is not there, or not yet, is told of elsewhere.
 bool isForNow(const Error& error) {
     return error.code == ErrorCode::NotFound || error.code == ErrorCode::Unavailable;
-}
-
-double secondsBetween(StreamSession::Time from, StreamSession::Time to) {
-    return std::chrono::duration<double>(to - from).count();
 }
 
 }  // namespace
@@ -194,24 +177,6 @@ void StreamSession::begin(Scene scene, bool resumed, Time now) {
     pump(now);
 }
 
-// Who comes back has another decoder, and so begins with a key, whatever he saw before.
-void StreamSession::chooseCodec(messages::Welcome& welcome) {
-    if (options_.video != nullptr) {
-        welcome.codecs.clear();
-        for (const Codec codec : options_.video->codecs()) welcome.codecs.emplace_back(name(codec));
-    }
-    if (codecs_.front() != Codec::H264) return;
-    auto video = options_.video != nullptr
-                     ? options_.video->take()
-                     : fail(ErrorCode::Unavailable, "This connection's moving frames are JPEG always.");
-    if (video) {
-        video_ = std::move(*video);
-        welcome.movingCodec = name(Codec::H264);
-    } else {
-        welcome.codecReason = std::move(video.error().message);
-    }
-}
-
 void StreamSession::remember() {
     if (ticket_)
         options_.resumable->keep(*ticket_,
@@ -228,6 +193,7 @@ tl::expected<SharedView, Problem> StreamSession::change(const messages::ViewChan
     auto scene = scenes_.changed(scene_, change);
     if (!scene) return passOn(std::move(scene));
     if (change.follow) {
+        notShown_.reset();
         if (change.follow->empty()) {
             if (options_.registration != nullptr) options_.registration->unfollow();
         } else if (auto followed = options_.registration->follow(*change.follow); !followed) {
@@ -265,8 +231,7 @@ void StreamSession::viewChanged(Time now) {
     nextLook_.reset();
     if (scenes_.loading(scene_)) nextLook_ = now + options_.cloudInterval;
     // A still of the old view is worth nothing now, and in the way of what the client waits for.
-    if (std::erase_if(outstanding_, [](const Order& order) { return order.still.has_value(); }) > 0)
-        port_.abandon();
+    if (std::erase_if(outstanding_, isStill) > 0) port_.abandon();
     if (options_.registration != nullptr)
         options_.registration->show({scene_.cloudId, scene_.view, scene_.seq});
 }
@@ -312,13 +277,27 @@ void StreamSession::followLeader(Time now) {
     if (!shown) return leaderLeft();
     leaderHasThisSize_ = shown->view.width == scene_.view.width && shown->view.height == scene_.view.height;
     auto scene = scenes_.followed(*shown, scene_.view.width, scene_.view.height);
-    if (!scene) return refuse(std::move(scene.error()), std::nullopt);
+    if (!scene) return sayNotShown(std::move(scene.error()));
+    notShown_.reset();
     scene->seq = scene_.seq;
     if (scene->cloud != scene_.cloud || scene->view != scene_.view) show(std::move(*scene), now);
 }
 
+// Once, however many views of its and pictures come that are as these; numbers in the sentence may differ.
+void StreamSession::sayNotShown(Problem problem) {
+    const auto isSame = [&](const Problem& said) {
+        return said.status == problem.status &&
+               std::ranges::equal(said.errors, problem.errors, {}, &Problem::Cause::parameter,
+                                  &Problem::Cause::parameter);
+    };
+    if (notShown_ && isSame(*notShown_)) return;
+    notShown_ = problem;
+    refuse(std::move(problem), std::nullopt);
+}
+
 void StreamSession::leaderLeft() {
     options_.registration->unfollow();
+    notShown_.reset();
     if (options_.endsWithLeader)
         return close(CloseCode::GoingAway, "The session that this one followed has ended.");
     refuse(SceneResolver::followProblem(
@@ -394,225 +373,6 @@ void StreamSession::refuse(Problem problem, std::optional<std::uint64_t> seq) {
     port_.sendText(printMessage(report));
 }
 
-// ---- pictures
-
-StreamSession::Order StreamSession::nextOrder(std::optional<StillSchedule::Still> still) {
-    Order order;
-    order.number = ++lastOrder_;
-    order.seq = scene_.seq;
-    order.viewTime = viewTime_;
-    order.wanted = scene_.view;
-    order.cloud = scene_.cloud;
-    order.still = still;
-    if (!still) {
-        order.asVideo = drawsVideo();
-        order.quality = quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_,
-                                        order.asVideo && !jpegInstead_);
-    }
-    order.view = viewOf(order);
-    return order;
-}
-
-View StreamSession::viewOf(const Order& order) const {
-    if (!order.still) return movingView(scene_.view, order.quality);
-    View view = scene_.view;
-    if (order.still == StillSchedule::Still::Sharper) view.quality.samples = 1;
-    return view;
-}
-
-PictureOrder StreamSession::pictureOf(const Order& order) const {
-    PictureOrder picture;
-    picture.cloud = scene_.cloud;
-    picture.view = order.view;
-    picture.planned = scene_.planned;
-    picture.withDepth = withDepth_;
-    picture.complete = order.still == StillSchedule::Still::Final;
-    picture.onlyWhole = order.still == StillSchedule::Still::Trial;
-    picture.interruptible = order.still.has_value();
-    if (order.asVideo) picture.video = video_;
-    if (!order.still && before_) {
-        picture.ahead =
-            extrapolate(*before_, scene_.view.camera, secondsBetween(beforeTime_, viewTime_), aheadSeconds);
-    }
-    return picture;
-}
-
-void StreamSession::place(Order order, Time now) {
-    order.placed = now;
-    outstanding_.push_back(order);
-    port_.order(order.number, pictureOf(order));
-}
-
-bool StreamSession::stillComing() const {
-    return std::ranges::any_of(
-        outstanding_, [](const Order& o) { return o.still && o.still != StillSchedule::Still::Final; });
-}
-
-// A frame that is being made counts, too, so a finished picture can always go out at once.
-bool StreamSession::hasRoom(Time now) const {
-    return outstanding_.size() < mostInMaking &&
-           unacknowledged() + outstanding_.size() < options_.window.value_or(window_.frames(now));
-}
-
-bool StreamSession::hasQuiet(Time now) const {
-    if (unacknowledged() == 0 || !quality_.link().wantsQuiet(now)) return false;
-    return unacknowledged() + outstanding_.size() >= window_.quietFrames(quality_.link().wantedQuiet(now));
-}
-
-// Orders what is due.
-void StreamSession::pump(Time now) {
-    if (state_ != State::Open) return;
-    quiet_ = hasQuiet(now);
-    room_ = hasRoom(now);
-    takeShared(now);
-    if (awaits_ && fresh_ && now >= freshSince_ + patienceWithLeader) {
-        awaits_ = false;
-        leaderRests_ = true;  // it is waited for again when a picture of its has been sent
-    }
-    if (fresh_ && room_ && !quiet_ && !awaits_ && pace_.allows(viewTime_, limits_.fps, now)) {
-        fresh_ = false;
-        pace_.begin(limits_.fps, now);
-        place(nextOrder(std::nullopt), now);
-    } else if (fresh_ && !outstanding_.empty()) {
-        Order order = nextOrder(std::nullopt);
-        if (port_.replaceWaiting(order.number, pictureOf(order))) {
-            fresh_ = false;
-            ++overtaken_;
-            order.placed = outstanding_.back().placed;
-            outstanding_.back() = order;
-        }
-    }
-    room_ = hasRoom(now);
-    if (fresh_ || !room_) return;
-    if (const auto at = due(); !at || now < *at) return;
-    if (const auto still = stills_.due(!outstanding_.empty(), stillComing(), now)) {
-        stills_.ordered(*still);
-        place(nextOrder(*still), now);
-        room_ = hasRoom(now);
-    }
-}
-
-// A picture of the video that builds on one which was not sent is worth nothing: then a key is to come, and the view is shown anew.
-bool StreamSession::continuesVideo(const EncodedPicture& picture) {
-    if (picture.codec == Codec::Jpeg || !video_) return true;
-    const bool sound = picture.key || picture.videoNumber == lastVideo_ + 1;
-    if (sound)
-        lastVideo_ = picture.videoNumber;
-    else
-        video_->wantKey();
-    return sound;
-}
-
-void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> result, Time now) {
-    const auto at = std::find_if(outstanding_.begin(), outstanding_.end(),
-                                 [&](const Order& order) { return order.number == number; });
-    if (state_ != State::Open || at == outstanding_.end()) return;  // replaced or abandoned meanwhile
-    const Order order = *at;
-    outstanding_.erase(at);
-    if (result && !order.still && order.number < finalOrder_) {
-        // The final still, which was encoded sooner, has been sent: it is not to be covered by what it ended.
-        ++overtaken_;
-        metrics_.frameDropped(DropReason::Overwritten);
-        if (video_) video_->wantKey();
-    } else if (result && !continuesVideo(*result)) {
-        // Shown anew, unless a still is under way that shows it better.
-        fresh_ =
-            fresh_ || std::ranges::none_of(outstanding_, [](const Order& o) { return o.still.has_value(); });
-        freshSince_ = now;
-    } else if (result) {
-        deliver(order, std::move(*result), now);
-    } else {
-        const bool cancelled = result.error().code == ErrorCode::Cancelled;
-        const bool isAway = result.error().code == ErrorCode::Unavailable;
-        if (isAway && !order.still) {
-            fresh_ = true;  // dropped; the view is still to be shown
-            freshSince_ = now;
-        } else if (isAway)
-            stills_.away(now);
-        else if (order.still == StillSchedule::Still::Trial && cancelled)
-            stills_.lacked(now);
-        else if (order.still && order.still != StillSchedule::Still::Final)
-            stills_.failed();
-        if (!cancelled && !isAway) refuse(problemOf(result.error()), order.seq);
-    }
-    pump(now);
-}
-
-void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now) {
-    FrameHeader header;
-    header.moving = !order.still;
-    header.still = order.still.has_value();
-    header.final = order.still && order.still != StillSchedule::Still::Sharper;
-    header.damaged = header.final && picture.stats.nodesDamaged > 0;  // nothing better will come
-    header.away = picture.stats.away;
-    header.codec = picture.codec;
-    header.key = picture.key;
-    if (header.away) stills_.saidAway();
-    if (order.still) stills_.drawn(*order.still, picture.stats.samplesMissing, now);
-    if (header.final) finalOrder_ = order.number;
-    if (order.asVideo) jpegInstead_ = picture.codec == Codec::Jpeg;
-    header.pictureLength = std::uint32_t(picture.bytes->size());
-    header.frameId = ++lastFrame_;
-    header.seq = order.seq;
-    header.width = std::uint32_t(picture.width);
-    header.height = std::uint32_t(picture.height);
-    header.renderMicroseconds = microseconds(picture.renderMs);
-    header.encodeMicroseconds = microseconds(picture.encodeMs);
-    const double own = world_.ownDetail(scene_.view);
-    if (!order.still && !order.taken) {
-        quality_.drawn(order.quality, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
-    }
-    const std::size_t depthBytes = withDepth_ && picture.depth ? picture.depth->size() : 0;
-    const std::size_t bytes = picture.bytes->size() + depthBytes;
-    const Coding coding = picture.codec == Codec::Jpeg ? Coding::Jpeg
-                          : picture.key                ? Coding::VideoKey
-                                                       : Coding::Video;
-    quality_.sent(header.frameId, order.view, bytes, now, coding);
-    if (order.still)
-        window_.sentStill(header.frameId, bytes, now);
-    else
-        window_.sentMoving(header.frameId, bytes, secondsBetween(order.placed, now), outstanding_.size(),
-                           now);
-    if (video_ && order.still)
-        video_->wantKey();  // what moves next begins where nobody waits for what was before
-    if (video_ && video_->hasFailed()) video_.reset();
-    if (options_.registration != nullptr) options_.registration->frameSent();
-    remember();  // first: who gets the frame may come back at once, by another connection
-    port_.sendFrame(header, picture.bytes, withDepth_ ? picture.depth : nullptr);
-    share(order, picture);
-
-    metrics_.frameSent(secondsBetween(order.viewTime, now), header.away);
-    sentTimes_.push_back(now);
-    while (now - sentTimes_.front() > std::chrono::seconds(1)) sentTimes_.pop_front();
-    // Who looks at a picture that stays may read what it is; of those that come and go, now and then is enough.
-    if (header.final || now >= nextStats_) sendStats(order, picture, now);
-}
-
-void StreamSession::sendStats(const Order& order, const EncodedPicture& picture, Time now) {
-    nextStats_ = now + options_.statsInterval;
-    messages::Stats stats;
-    stats.frame = lastFrame_;
-    stats.seq = order.seq;
-    stats.fps = double(sentTimes_.size());
-    const bool moving = !order.still;
-    stats.detail = moving ? order.quality.detail : world_.ownDetail(scene_.view);
-    stats.resolution = moving ? order.quality.resolution : 1;
-    stats.jpegQuality = order.view.quality.jpegQuality;
-    stats.bandwidth = quality_.link().bandwidth().value_or(0);
-    stats.samples = picture.stats.samplesDrawn;
-    stats.points = picture.stats.pointsShown;
-    stats.dropped = overtaken_;
-    stats.method = picture.stats.method;
-    stats.methodReason = picture.stats.methodReason;
-    stats.away = picture.stats.away;
-    stats.color = picture.stats.color;
-    stats.colormap = picture.stats.colormap;
-    stats.range = picture.stats.colorRange;
-    for (const StageTime& stage : picture.stats.stages)
-        stats.stages.push_back({stage.name, stage.milliseconds});
-    port_.sendText(printMessage(stats));
-}
-
 // ---- time and end
 
 void StreamSession::tick(Time now) {
@@ -633,17 +393,6 @@ std::optional<StreamSession::Time> StreamSession::wakeAt() const {
     const auto next = due();
     if (!next) return nextLook_;
     return nextLook_ ? std::min(*nextLook_, *next) : *next;
-}
-
-/// When the next picture is ordered: of a view that waits a moving frame, else a still. Later, where the leader's is awaited.
-std::optional<StreamSession::Time> StreamSession::due() const {
-    if (fresh_) {
-        const Time paced = pace_.due(limits_.fps);
-        return awaits_ ? std::max(paced, freshSince_ + patienceWithLeader) : paced;
-    }
-    auto still = stills_.dueAt(!outstanding_.empty());
-    if (still && awaits_) still = std::max(*still, viewTime_ + patienceWithStill);
-    return still;
 }
 
 void StreamSession::close(CloseCode code, std::string reason) {

@@ -126,6 +126,8 @@ class StreamSession {
         bool taken = false;    // from the session that this one follows
         bool asVideo = false;  // if it can be
     };
+    static bool isStill(const Order& order) { return order.still.has_value(); }
+
     void handle(const messages::Hello& hello, Time now);
     void handle(const messages::ViewChange& change, Time now);
     void handle(const messages::QualityLimits& quality, Time now);
@@ -142,10 +144,14 @@ class StreamSession {
     void chooseCodec(messages::Welcome& welcome);
     bool drawsVideo() const;
     bool continuesVideo(const EncodedPicture& picture);
+    static Coding codingOf(const EncodedPicture& picture);
+    void noteVideo(const Order& order, const EncodedPicture& picture);
     void followLeader(Time now);
+    void sayNotShown(Problem problem);
     void leaderLeft();
     void refuse(Problem problem, std::optional<std::uint64_t> seq);
     void pump(Time now);
+    void orderDue(Time now);
     void place(Order order, Time now);
     void viewChanged(Time now);
     void lookForNewerCloud(Time now);
@@ -159,6 +165,11 @@ class StreamSession {
     void close(CloseCode code, std::string reason);
     bool fits(const SharedPicture& picture) const;
     void takeShared(Time now);
+    void noteShared(const std::shared_ptr<const SharedPicture>& newest, Time now);
+    void noteMaking();
+    void abandonOwn();
+    Clock::duration patienceWithLeader() const;
+    Clock::duration patienceWithStill() const;
     void share(const Order& order, const EncodedPicture& picture);
     std::optional<Time> due() const;
     bool hasRoom(Time now) const;
@@ -193,9 +204,15 @@ class StreamSession {
     std::shared_ptr<const SharedPicture> shared_;  // the last one of the followed session's that was sent
     bool awaits_ = false;                          // pictures of that session, in place of its own
     bool leaderHasThisSize_ = false;
-    bool leaderRests_ = false;  // ... which did not come
-    bool room_ = false;         // for another frame, when last looked
-    bool quiet_ = false;        // ... but none is ordered, because one is to find the link without a queue
+    std::shared_ptr<const SharedPicture> seen_;  // the newest that could have been sent
+    Time seenAt_;
+    Clock::duration leadersInterval_{};  // between its moving frames
+    bool leaderRests_ = false;           // pictures of its did not come
+    bool leaderMakes_ = false;           // one that is for its followers
+    bool makes_ = false;                 // the same of this session, as it was told last
+    std::optional<Problem> notShown_;    // why what the leader shows is not shown, which has been said
+    bool room_ = false;                  // for another frame, when last looked
+    bool quiet_ = false;  // ... but none is ordered, because one is to find the link without a queue
     std::optional<Camera> before_;  // the camera of the view before, while the camera moves
     Time beforeTime_;
     FramePace pace_;

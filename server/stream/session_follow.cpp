@@ -9,6 +9,12 @@ namespace {
 
 // Of what this client's line takes for a frame: what a picture has at least that the leader's line made small.
 constexpr double leastOfOwn = 0.4;
+// How long it goes without a picture of the leader's before it orders one: while those come, a few times their interval.
+constexpr std::chrono::milliseconds leastPatience{150}, mostPatience{1000};
+constexpr int intervalsOfPatience = 3;
+// While one is being made. The device draws for everybody in turn, so one that is ordered later comes later; but what takes that long may be
+// waited for by hundreds.
+constexpr std::chrono::milliseconds whileMade{5000};
 
 }  // namespace
 
@@ -31,27 +37,55 @@ bool StreamSession::fits(const SharedPicture& shared) const {
     return bytes <= own && (!quality.byNetwork || bytes >= leastOfOwn * own);
 }
 
-// Whoever sees the same cloud, as an object, may see a picture of it: catalogs hand it to nobody else. Pictures of its own that are being
-// made come first, so that they keep their order.
-void StreamSession::takeShared(Time now) {
-    awaits_ = false;
+StreamSession::Clock::duration StreamSession::patienceWithLeader() const {
+    if (leaderMakes_) return whileMade;
+    return std::clamp<Clock::duration>(intervalsOfPatience * leadersInterval_, leastPatience, mostPatience);
+}
+
+StreamSession::Clock::duration StreamSession::patienceWithStill() const {
+    return leaderMakes_ ? whileMade : mostPatience;
+}
+
+// The leader sent another picture, which may be sent here.
+void StreamSession::noteShared(const std::shared_ptr<const SharedPicture>& newest, Time now) {
+    if (newest == seen_) return;
+    if (seen_ && !seen_->still && !newest->still) leadersInterval_ = now - seenAt_;
+    seen_ = newest;
+    seenAt_ = now;
+    leaderRests_ = false;
+}
+
+// Those who follow are told whether a picture is being made that they may send.
+void StreamSession::noteMaking() {
     if (options_.registration == nullptr) return;
-    auto newest = options_.registration->leadersPicture();
+    const bool makes = std::ranges::any_of(outstanding_, [](const Order& order) { return !order.asVideo; });
+    if (makes != makes_) options_.registration->makes(makes);
+    makes_ = makes;
+}
+
+// Whoever sees the same cloud, as an object, may see a picture of it: catalogs hand it to nobody else. Where a view waits that is newer than
+// those of which its own pictures are being made, it takes their place.
+void StreamSession::takeShared(Time now) {
+    awaits_ = leaderMakes_ = false;
+    if (options_.registration == nullptr) return;
+    auto [newest, makes, follows] = options_.registration->leadersPicture();
+    leaderMakes_ = makes;
     if (!newest) {  // it stands still, or moves for the first time since it has been followed
-        awaits_ = fresh_ && !leaderRests_ && following() && leaderHasThisSize_;
+        awaits_ = fresh_ && !leaderRests_ && follows && leaderHasThisSize_;
+        seen_.reset();
         return shared_.reset();
     }
-    const bool suits = fits(*newest);
+    const bool suits = fits(*newest), mayBeTaken = suits && newest->cloud == scene_.cloud;
+    if (mayBeTaken) noteShared(newest, now);
     awaits_ = suits && !leaderRests_;
-    if (!suits || newest->cloud != scene_.cloud || newest == shared_ || !room_ || !outstanding_.empty())
-        return;
+    const bool mayBeSent = unacknowledged() < options_.window.value_or(window_.frames(now));
+    if (!mayBeTaken || newest == shared_ || !mayBeSent) return;
     const bool isCurrent = newest->wanted == scene_.view;
     const bool isWanted = newest->still ? isCurrent && stills_.wanted()
                                         : fresh_ && !quiet_ && pace_.allows(now, limits_.fps, now);
     if (!isWanted) return;
+    abandonOwn();
     shared_ = std::move(newest);
-    awaits_ = true;
-    leaderRests_ = false;
     fresh_ = !isCurrent;
     freshSince_ = now;
     if (!shared_->still) pace_.begin(limits_.fps, now);
@@ -68,9 +102,13 @@ void StreamSession::takeShared(Time now) {
     room_ = hasRoom(now);
 }
 
-// Whoever is followed has its moving frames as JPEG: a video's frames are for its own decoder, and one picture can go to all.
-bool StreamSession::drawsVideo() const {
-    return video_ && (options_.registration == nullptr || !options_.registration->leads());
+// What is being made comes to nothing; a video goes on where its client's decoder is.
+void StreamSession::abandonOwn() {
+    if (outstanding_.empty()) return;
+    if (video_ && std::ranges::any_of(outstanding_, &Order::asVideo)) video_->wantKey();
+    overtaken_ += outstanding_.size();
+    outstanding_.clear();
+    port_.abandon();
 }
 
 void StreamSession::share(const Order& order, const EncodedPicture& picture) {

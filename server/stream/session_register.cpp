@@ -143,9 +143,21 @@ void SessionRegister::leave(const SessionRegistration& registration) {
         // Called by a destructor: without memory for the list nobody is told, but the entry goes.
         std::ignore =
             contained("The register of sessions", [&] { followers = followersLocked(registration.id_); });
-        entries_.erase(registration.id_);
+        const auto at = entries_.find(registration.id_);
+        endFollowingLocked(at->second);
+        entries_.erase(at);
     }
     wake(followers);
+}
+
+bool SessionRegister::leadsLocked(const std::string& id) const {
+    return followers_.contains(id);
+}
+
+void SessionRegister::endFollowingLocked(Entry& follower) {
+    const auto at = followers_.find(follower.facts.follows);
+    follower.facts.follows.clear();
+    if (at != followers_.end() && --at->second == 0) followers_.erase(at);
 }
 
 void SessionRegister::renameLocked(SessionRegistration& registration, const std::string& id) {
@@ -159,6 +171,7 @@ void SessionRegister::renameLocked(SessionRegistration& registration, const std:
 
 SessionRegister::Sessions SessionRegister::followersLocked(const std::string& id) const {
     Sessions followers;
+    if (!leadsLocked(id)) return followers;
     for (const auto& [other, entry] : entries_)
         if (entry.facts.follows == id) followers.push_back(entry.session);
     return followers;
@@ -205,8 +218,7 @@ void SessionRegistration::frameSent() {
 
 bool SessionRegistration::leads() const {
     const std::lock_guard lock(sessions_.mutex_);
-    return std::ranges::any_of(sessions_.entries_,
-                               [&](const auto& other) { return other.second.facts.follows == id_; });
+    return sessions_.leadsLocked(id_);
 }
 
 void SessionRegistration::share(std::shared_ptr<const SharedPicture> picture) {
@@ -220,11 +232,17 @@ void SessionRegistration::share(std::shared_ptr<const SharedPicture> picture) {
     SessionRegister::wake(followers);
 }
 
-std::shared_ptr<const SharedPicture> SessionRegistration::leadersPicture() const {
+void SessionRegistration::makes(bool one) {
+    const std::lock_guard lock(sessions_.mutex_);
+    sessions_.entries_.at(id_).makes = one;
+}
+
+SessionRegistration::LeadersPicture SessionRegistration::leadersPicture() const {
     const std::lock_guard lock(sessions_.mutex_);
     const std::string& leader = sessions_.entries_.at(id_).facts.follows;
     const auto at = leader.empty() ? sessions_.entries_.end() : sessions_.entries_.find(leader);
-    return at == sessions_.entries_.end() ? nullptr : at->second.picture;
+    if (at == sessions_.entries_.end()) return {};
+    return {at->second.picture, at->second.makes, true};
 }
 
 tl::expected<SharedView, Problem> SessionRegistration::mayFollow(const std::string& leader) const {
@@ -237,9 +255,14 @@ tl::expected<SharedView, Problem> SessionRegistration::follow(const std::string&
     const std::lock_guard lock(sessions_.mutex_);
     auto shown = mayFollowLocked(leader);
     if (!shown) return shown;
+    SessionRegister::Entry& own = sessions_.entries_.at(id_);
+    if (own.facts.follows == leader) return shown;
     // Of what it shared with those who have left it may have moved on since.
-    if (sessions_.followersLocked(leader).empty()) sessions_.entries_.at(leader).picture.swap(old);
-    sessions_.entries_.at(id_).facts.follows = leader;
+    if (!sessions_.leadsLocked(leader)) sessions_.entries_.at(leader).picture.swap(old);
+    std::string name = leader;  // may fail for want of memory, as may a new count; what follows does not
+    ++sessions_.followers_[leader];
+    sessions_.endFollowingLocked(own);
+    own.facts.follows.swap(name);
     return shown;
 }
 
@@ -251,7 +274,7 @@ tl::expected<SharedView, Problem> SessionRegistration::mayFollowLocked(const std
     if (leader == id_) return refuse(409, "A session cannot follow itself.");
     if (!facts.follows.empty())
         return refuse(409, "That session follows another one itself; follow that one instead.");
-    if (!sessions_.followersLocked(id_).empty())
+    if (sessions_.leadsLocked(id_))
         return refuse(409, "Others follow this session; it cannot follow at the same time.");
     if (!facts.shows) return refuse(503, "That session shows nothing yet; try again in a moment.");
     return *facts.shows;
@@ -259,7 +282,7 @@ tl::expected<SharedView, Problem> SessionRegistration::mayFollowLocked(const std
 
 void SessionRegistration::unfollow() {
     const std::lock_guard lock(sessions_.mutex_);
-    sessions_.entries_.at(id_).facts.follows.clear();
+    sessions_.endFollowingLocked(sessions_.entries_.at(id_));
 }
 
 bool SessionRegistration::following() const {

@@ -97,8 +97,16 @@ class SessionRegistration {
     bool leads() const;
     /// It has sent this: followers are told. Kept while there are any, until the next one.
     void share(std::shared_ptr<const SharedPicture> picture);
-    /// The newest that the followed session has sent; null when there is none.
-    std::shared_ptr<const SharedPicture> leadersPicture() const;
+    /// Whether a picture of its that it may share is being made.
+    void makes(bool one);
+    struct LeadersPicture {
+        std::shared_ptr<const SharedPicture>
+            newest;            ///< that the followed session has sent; null when there is none
+        bool makes = false;    ///< the next one
+        bool follows = false;  ///< there is such a session
+    };
+    /// What there is of the followed session's pictures.
+    LeadersPicture leadersPicture() const;
     /// What that session shows, if it can be followed: 404 when there is none of that id, 503 when it shows
     /// nothing yet, 409 for oneself and wherever a follower would be followed.
     tl::expected<SharedView, Problem> mayFollow(const std::string& leader) const;
@@ -139,16 +147,22 @@ class SessionRegister {
         std::weak_ptr<LiveSession> session;
         SessionRegistration* registration = nullptr;
         std::shared_ptr<const SharedPicture> picture{};  // for followers
+        bool makes = false;                              // another one
     };
     using Sessions = std::vector<std::weak_ptr<LiveSession>>;
 
     void leave(const SessionRegistration& registration);
     void renameLocked(SessionRegistration& registration, const std::string& id);
+    bool leadsLocked(const std::string& id) const;
+    void endFollowingLocked(Entry& follower);
     Sessions followersLocked(const std::string& id) const;
     static void wake(const Sessions& sessions);
 
     mutable std::mutex mutex_;
     std::map<std::string, Entry, std::less<>> entries_;
+    /// How many follow an id, of those that anybody follows; also when its session is gone, as long as they say that they do: the
+    /// one that takes the id again leads them. Asked for every moving frame.
+    std::map<std::string, std::size_t> followers_;
     std::uint64_t last_ = 0;
 };
 

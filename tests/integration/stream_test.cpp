@@ -4,7 +4,7 @@
 
 #include "protocol/depth/frame_depth.hpp"
 #include "tests/integration/server_fixture.hpp"
-#include "video/openh264.hpp"
+#include "tests/support/needs_video.hpp"
 #include "video/video_decoder.hpp"
 
 namespace scancast::test {
@@ -121,8 +121,7 @@ TEST_F(StreamTest, TheFinalStillIsTheSnapshotByteForByte) {
 }
 
 TEST_F(StreamTest, MovingFramesAreVideoForWhoAsksAndTheFinalStillIsTheSnapshotAllTheSame) {
-    if (const auto library = openH264(); !library)
-        GTEST_SKIP() << "NOT TESTED: video, because " << library.error().message;
+    SCANCAST_NEEDS_VIDEO();
     start();
     StreamClient client(port());
     const auto welcome =

@@ -41,6 +41,8 @@ export class MovingFrames {
     this.#said = welcome;
     this.#video?.close();
     this.#video = this.#loading = undefined;
+    // Its hello may have been said before the video of the one before failed.
+    if (this.#hasFailed && welcome.movingCodec === 'h264') this.#onFailed();
   }
 
   /** A frame of a connection, each in turn: promise of its bitmap, where it is video; undefined where it is none. */

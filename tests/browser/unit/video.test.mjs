@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { afterEach, beforeEach, describe, it } from 'node:test';
 
+import { Session } from '../../../client/web/connection/session.js';
 import { MovingFrames } from '../../../client/web/view/moving_frames.js';
 import { Video, codecOf } from '../../../client/web/view/video.js';
 
@@ -97,6 +98,57 @@ describe('video', () => {
     assert.equal(failures, 1);
     assert.deepEqual(moving.words, {});
     assert.equal(moving.now.hasFailed, true);
+  });
+
+  it('is given up, too, where it failed while another connection was opening', async (test) => {
+    test.mock.method(console, 'warn', () => {});
+    const sockets = [];
+    class FakeSocket {
+      static OPEN = 1;
+      readyState = 1;
+      bufferedAmount = 0;
+      said = [];
+      constructor() { sockets.push(this); }
+      send(text) { this.said.push(JSON.parse(text)); }
+      close() { this.readyState = 3; }
+      hear(message) { this.onmessage({ data: JSON.stringify(message) }); }
+      /** The server has got its hello, and welcomes it with the codec that it asked for. */
+      open() {
+        this.onopen();
+        this.hear({ type: 'welcome', session: 's', cloud: 'town', resume: 'token', movingCodec: this.said[0].codecs?.[0] ?? 'jpeg', codecReason: '' });
+      }
+    }
+    const some = { WebSocket: FakeSocket, addEventListener: () => {}, document: { addEventListener: () => {} } };
+    const were = Object.fromEntries(Object.keys(some).map((name) => [name, globalThis[name]]));
+    Object.assign(globalThis, some);
+    test.after(() => { Object.assign(globalThis, were); });
+    const next = async (count) => {
+      for (let i = 0; i < 100 && sockets.length < count; i += 1) await settled();
+      assert.equal(sockets.length, count);
+      return sockets.at(-1);
+    };
+
+    const moving = new MovingFrames(() => session.renew());
+    await moving.ready;
+    const session = new Session({ access: {}, streamUrl: '', clouds: async () => ({ clouds: [{ id: 'town' }], pending: [] }), methods: async () => ({}) }, {
+      state: () => {}, catalog: () => {}, expect: async () => {}, seen: () => undefined, hello: () => moving.words,
+      welcome: (message) => moving.begin(message), moved: (message) => moving.begin(message) });
+    test.after(() => session.stop());
+    session.start();
+    const first = await next(1);
+    first.open();
+    first.hear({ type: 'drain', afterMilliseconds: 0, withinMilliseconds: 1000 });
+    const second = await next(2);
+    await assert.rejects(moving.decode(frame(1, false)));
+    await settled();
+    second.open();
+    assert.equal(moving.now.codec, 'h264', 'as it was asked before');
+    const third = await next(3);
+    third.open();
+    assert.equal(third.said[0].codecs, undefined);
+    assert.equal(moving.now.codec, 'jpeg');
+    await settled();
+    assert.equal(sockets.length, 3);
   });
 
   it('is not asked for where the browser cannot', async () => {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "client/cpp/stream.hpp"
+#include "tests/support/needs_video.hpp"
 #include "tests/unit/video/moving_picture.hpp"
-#include "video/openh264.hpp"
 #include "video/video_encoder.hpp"
 
 namespace scancast::client {
@@ -16,8 +16,7 @@ using scancast::test::waves;
 class FrameDecoderTest : public ::testing::Test {
   protected:
     void SetUp() override {
-        if (auto can = canReadVideo(); !can)
-            GTEST_SKIP() << "NOT TESTED: video, because " << can.error().message;
+        SCANCAST_NEEDS_VIDEO();
         auto opened = VideoEncoder::open(width, height);
         ASSERT_TRUE(opened) << opened.error().message;
         encoder_ = std::move(*opened);

@@ -2,9 +2,9 @@
 // near to what went in.
 #include <gtest/gtest.h>
 
+#include "tests/support/needs_video.hpp"
 #include "tests/unit/video/bit_reader.hpp"
 #include "tests/unit/video/moving_picture.hpp"
-#include "video/openh264.hpp"
 #include "video/video_decoder.hpp"
 #include "video/video_encoder.hpp"
 
@@ -16,10 +16,7 @@ constexpr int baseline = 66;
 
 class Video : public ::testing::Test {
   protected:
-    void SetUp() override {
-        if (const auto library = openH264(); !library)
-            GTEST_SKIP() << "NOT TESTED: video, because " << library.error().message;
-    }
+    void SetUp() override { SCANCAST_NEEDS_VIDEO(); }
     static std::unique_ptr<VideoEncoder> encoder(int width, int height) {
         auto opened = VideoEncoder::open(width, height);
         EXPECT_TRUE(opened) << opened.error().message;

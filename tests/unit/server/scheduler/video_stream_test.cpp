@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "server/scheduler/video_places.hpp"
+#include "tests/support/needs_video.hpp"
 #include "tests/unit/video/moving_picture.hpp"
-#include "video/openh264.hpp"
 
 namespace scancast::test {
 namespace {
@@ -21,10 +21,7 @@ Frame frame(int width, int height, int shift) {
 
 class VideoStreamTest : public ::testing::Test {
   protected:
-    void SetUp() override {
-        if (const auto library = openH264(); !library)
-            GTEST_SKIP() << "NOT TESTED: video, because " << library.error().message;
-    }
+    void SetUp() override { SCANCAST_NEEDS_VIDEO(); }
 };
 
 TEST_F(VideoStreamTest, KeysComeFirstWhereTheyAreWantedAndWithAnotherSize) {

@@ -4,8 +4,8 @@
 
 #include <set>
 
+#include "tests/support/needs_video.hpp"
 #include "tests/unit/server/stream/session_fixture.hpp"
-#include "video/openh264.hpp"
 
 namespace scancast::test {
 namespace {
@@ -24,14 +24,18 @@ class Audience {
         void order(std::uint64_t number, PictureOrder order) override {
             ++orders;
             if (order.video) ++videoOrders;
+            if (order.video) video = order.video;
             audience->device_.push_back({this, number, std::move(order)});
         }
         bool replaceWaiting(std::uint64_t, PictureOrder) override { return false; }
         void pick(std::uint64_t, std::shared_ptr<const Cloud>, std::shared_ptr<const PlannedView>, double,
                   double) override {}
         void abandon() override {
-            std::erase_if(audience->device_,
-                          [&](const Job& job) { return job.of == this && job.order.interruptible; });
+            ++abandoned;
+            const Job* drawn = audience->drawnAt_ < 0 ? nullptr : &audience->device_.front();
+            std::erase_if(audience->device_, [&](const Job& job) {
+                return job.of == this && (&job != drawn || job.order.interruptible);
+            });
         }
         void close(CloseCode, std::string) override {}
         std::function<void()> onTaken() override {
@@ -47,7 +51,8 @@ class Audience {
         Audience* audience = nullptr;
         std::int64_t ackAfter = 1;  // ms; less than 0 = never
         bool looks = false;
-        std::size_t orders = 0, videoOrders = 0, withDepth = 0;
+        std::size_t orders = 0, videoOrders = 0, withDepth = 0, abandoned = 0;
+        std::shared_ptr<VideoStream> video;  // of the newest order that has one
         std::vector<json> texts;
         std::vector<FrameHeader> frames;
         std::vector<std::shared_ptr<const Bytes>> pictures;
@@ -87,6 +92,10 @@ class Audience {
         return sum;
     }
 
+    StreamSession::Time time() const {
+        return StreamSession::Time(std::chrono::hours(1) + milliseconds(ms_));
+    }
+
     const VideoPlaces places{1};
     TwoClouds world;
     Metrics metrics{"test"};
@@ -100,10 +109,6 @@ class Audience {
         std::uint64_t number = 0;
         PictureOrder order;
     };
-
-    StreamSession::Time time() const {
-        return StreamSession::Time(std::chrono::hours(1) + milliseconds(ms_));
-    }
 
     void step(Member* leader) {
         if (leader != nullptr && ms_ % 16 == 0)
@@ -173,6 +178,72 @@ TEST(Followers, TwoHundredCostNoMoreThanOne) {
     }
     const std::string text = audience.metrics.text();
     EXPECT_NE(text.find("scancast_frames_shared_total"), std::string::npos);
+}
+
+// However long a picture takes: what the leader's costs is paid once, and who waits for it has it as soon as it would have had its own.
+TEST(Followers, OfABusyServerTheyCostNoMoreThanOne) {
+    Audience audience;
+    const auto leader = audience.enter(json::object(), audience.world);
+    audience.run(300);
+    for (int i = 0; i < 200; ++i) audience.follow(*leader);
+    audience.run(3000);
+    audience.run(1000, leader.get());
+    audience.drawMs = 400;  // all at once, while none of them knows that pictures take so long
+    audience.run(1000, leader.get());
+    const std::size_t before = audience.orders(), frames = leader->frames.size();
+    std::vector<std::size_t> had;
+    for (const auto& member : audience.members) had.push_back(member->frames.size());
+    audience.run(8000, leader.get());
+    const double pictures = double(leader->frames.size() - frames);
+    EXPECT_GE(pictures, 18) << "as many as without them";
+    EXPECT_LE(double(audience.orders() - before), 1.2 * pictures) << "drawn and encoded";
+    for (std::size_t i = 1; i < audience.members.size(); ++i)
+        ASSERT_GE(double(audience.members[i]->frames.size() - had[i]), 0.9 * (pictures - 1)) << i;
+}
+
+// As when many come at once to a leader that moves: each has a first picture of its own, and the leader's next one is behind all of these.
+TEST(Followers, WhoHaveAllOrderedForThemselvesFindBackToTheLeader) {
+    Audience audience;
+    audience.drawMs = 25;
+    const auto leader = audience.enter(json::object(), audience.world);
+    audience.run(300, leader.get());
+    for (int i = 0; i < 100; ++i) audience.follow(*leader);
+    audience.run(7000, leader.get());
+    const std::size_t before = audience.orders(), frames = leader->frames.size();
+    audience.run(3000, leader.get());
+    const double pictures = double(leader->frames.size() - frames);
+    EXPECT_GE(pictures, 80);
+    EXPECT_LE(double(audience.orders() - before), 1.2 * pictures) << "drawn and encoded";
+}
+
+TEST(Followers, ThePictureOfALeaderThatComesBackTakesThePlaceOfOwnOnes) {
+    SCANCAST_NEEDS_VIDEO();
+    Audience audience;
+    const auto leader = audience.enter(json::object(), audience.world);
+    audience.run(300);
+    const auto follower = audience.follow(*leader, {{"codecs", {"h264", "jpeg"}}});
+    audience.run(1000);
+    audience.drawMs = 45;
+    audience.run(1000, leader.get());
+    EXPECT_EQ(follower->videoOrders, 0U) << "the leader's are JPEG, and are enough";
+    leader->ackAfter = -1;
+    audience.run(1000, leader.get());
+    ASSERT_GT(follower->videoOrders, 10U) << "its own, of what the leader looks at";
+    const std::size_t abandoned = follower->abandoned;
+    leader->ackAfter = 1;
+    leader->session->text(json{{"type", "ack"}, {"frame", leader->frames.back().frameId}}.dump(),
+                          audience.time());
+    Frame picture;
+    picture.width = picture.height = 16;
+    picture.rgba.own().assign(16 * 16 * 4, 128);
+    for (int i = 0; i < 3; ++i) follower->video->encode(picture, 80);
+    for (int i = 0; i < 2000 && follower->abandoned == abandoned; ++i) audience.run(1, leader.get());
+    ASSERT_GT(follower->abandoned, abandoned);
+    EXPECT_TRUE(follower->video->encode(picture, 80)->key) << "what was being made did not arrive";
+    const std::size_t own = follower->videoOrders;
+    audience.run(2000, leader.get());
+    EXPECT_LE(follower->videoOrders - own, 1U);
+    EXPECT_EQ(follower->frames.back().frameId, follower->frames.size());
 }
 
 TEST(Followers, OneThatIsSlowCostsTheLeaderNothing) {
@@ -265,8 +336,7 @@ TEST(Followers, WhoComesLaterIsNotSentWhatWasSharedLongAgo) {
 }
 
 TEST(Followers, WhoHasVideoHasJpegWhileItIsFollowed) {
-    if (const auto library = openH264(); !library)
-        GTEST_SKIP() << "NOT TESTED: video, because " << library.error().message;
+    SCANCAST_NEEDS_VIDEO();
     Audience audience;
     const auto leader = audience.enter({{"codecs", {"h264", "jpeg"}}}, audience.world);
     ASSERT_EQ(leader->texts.at(0)["movingCodec"], "h264");

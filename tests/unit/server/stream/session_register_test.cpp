@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <random>
 #include <set>
 
 #include "tests/unit/server/stream/session_fixture.hpp"
@@ -113,6 +114,52 @@ TEST_F(RegisterTest, NobodyFollowsAFollower) {
     EXPECT_FALSE(c->following());
 }
 
+// Whoever leads is asked for every frame, and so counted: against the list, whoever comes, goes, and takes an id again.
+TEST_F(RegisterTest, WhoLeadsIsKnownWhateverFollowersDo) {
+    std::mt19937 random{17};
+    const auto below = [&](std::size_t count) {
+        return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
+    };
+    std::vector<std::unique_ptr<SessionRegistration>> all;
+    std::vector<std::string> gone;
+    std::size_t followed = 0, switched = 0, left = 0, resumed = 0;
+    for (int step = 0; step < 3000; ++step) {
+        const std::size_t what = below(12);
+        if (all.size() < 3 || (what == 0 && all.size() < 12)) {
+            all.push_back(enter(first));
+            all.back()->show({"town", View(), 0});
+        }
+        SessionRegistration& one = *all[below(all.size())];
+        const std::string other = all[below(all.size())]->id();
+        if (what < 7) {
+            const bool before = one.following();
+            const bool done = one.follow(other).has_value();
+            followed += done ? 1 : 0;
+            switched += done && before ? 1 : 0;
+        } else if (what < 9) {
+            one.unfollow();
+        } else if (what == 9) {
+            const std::size_t at = below(all.size());
+            left += all[at]->leads() || all[at]->following() ? 1 : 0;
+            gone.push_back(all[at]->id());
+            all.erase(all.begin() + std::ptrdiff_t(at));
+        } else if (what == 10) {
+            const std::string& id = gone.empty() || below(2) == 0 ? other : gone.back();
+            one.resumeAs(id);
+            resumed += one.leads() ? 1 : 0;
+        }
+        const auto list = sessions.list();
+        for (const auto& registration : all) {
+            const auto following = std::ranges::count(list, registration->id(), &SessionFacts::follows);
+            ASSERT_EQ(registration->leads(), following > 0) << "in step " << step;
+        }
+    }
+    EXPECT_GT(followed, 100U);
+    EXPECT_GT(switched, 20U);
+    EXPECT_GT(left, 20U);
+    EXPECT_GT(resumed, 5U);
+}
+
 // ---- what a session makes of it
 
 class FollowTest : public SessionTest {
@@ -182,6 +229,24 @@ TEST_F(FollowTest, ARefusedLeaderLeavesTheSessionAsItWas) {
     EXPECT_EQ(sessions.list()[1].shows->cloudId, "first");
     say({{"type", "hello"}, {"cloud", "first"}, {"follow", leader->id()}});
     EXPECT_EQ(port.texts.at(2)["type"], "problem");
+}
+
+TEST_F(FollowTest, WhyALeadersViewsCannotBeShownIsSaidOnce) {
+    leader->show({"first", leaderView(1), 1});
+    hello();
+    say({{"type", "view"}, {"seq", 1}, {"follow", leader->id()}});
+    world.second.reset();
+    const auto problemsAfter = [&](const char* cloud) {
+        for (int i = 0; i < 5; ++i) {
+            leader->show({cloud, leaderView(i), std::uint64_t(i)});
+            session->lookAround(now);
+        }
+        return std::ranges::count_if(port.texts, [](const json& text) { return text["type"] == "problem"; });
+    };
+    EXPECT_EQ(problemsAfter("second"), 1);
+    EXPECT_EQ(problemsAfter("first"), 1);
+    EXPECT_EQ(problemsAfter("second"), 2) << "which is news again";
+    EXPECT_FALSE(port.closed);
 }
 
 TEST_F(FollowTest, WhenTheLeaderLeavesTheFollowerIsToldAndStays) {

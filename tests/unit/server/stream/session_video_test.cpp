@@ -1,6 +1,6 @@
 // Which codec a session's frames have, and when its video begins anew.
+#include "tests/support/needs_video.hpp"
 #include "tests/unit/server/stream/session_fixture.hpp"
-#include "video/openh264.hpp"
 
 namespace scancast::test {
 namespace {
@@ -15,10 +15,7 @@ class SessionVideo : public SessionTest {
         options.video = &from;
         session.emplace(options, world, port, metrics, now);
     }
-    void SetUp() override {
-        if (const auto library = openH264(); !library)
-            GTEST_SKIP() << "NOT TESTED: video, because " << library.error().message;
-    }
+    void SetUp() override { SCANCAST_NEEDS_VIDEO(); }
     void helloWith(const json& codecs) {
         say({{"type", "hello"}, {"width", 640}, {"height", 480}, {"codecs", codecs}});
     }

@@ -81,13 +81,24 @@ TangentFrame tangentFrame(glm::vec3 n) {
 std::uint8_t axisAngleOf(const glm::vec3& axis, const glm::vec3& normal) {
     const TangentFrame frame = tangentFrame(normal);
     const float u = glm::dot(axis, frame.first), v = glm::dot(axis, frame.second);
-    int best = 0;
-    float largest = -1;
-    for (int i = 0; i < angles; ++i) {
-        const float along = std::abs(u * directions.cosine[i] + v * directions.sine[i]);
-        if (along > largest) {
-            largest = along;
-            best = i;
+    // The first of the largest; each of four lanes looks at every fourth angle.
+    constexpr int lanes = 4;
+    std::array<float, lanes> largest{-1, -1, -1, -1};
+    std::array<int, lanes> at{};
+    for (int i = 0; i < angles; i += lanes)
+        for (int l = 0; l < lanes; ++l) {
+            const float along = std::abs(u * directions.cosine[i + l] + v * directions.sine[i + l]);
+            const bool larger = along > largest[l];
+            largest[l] = larger ? along : largest[l];
+            at[l] = larger ? i : at[l];
+        }
+    int best = at[0];
+    float most = largest[0];
+    for (int l = 1; l < lanes; ++l) {
+        const int angle = at[l] + l;
+        if (largest[l] > most || (largest[l] == most && angle < best)) {
+            most = largest[l];
+            best = angle;
         }
     }
     return std::uint8_t(best);

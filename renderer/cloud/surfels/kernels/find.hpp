@@ -223,7 +223,8 @@ inline int searchFromRoot(const IndexView& index, const float (&at)[3], int want
         distancesTo(index.blocks[index.levelBegin[d.level] + d.block], box, squared);
         const int first = top;
         for (int i = 0; i < blockBoxes; ++i) {
-            if (!(squared[i] < infinity)) continue;
+            if (!(squared[i] < infinity) || (found == wanted && squared[i] > w.bestSquared[found - 1]))
+                continue;
             int j = top++;
             for (; j > first && stack[j - 1].squared < squared[i]; --j) stack[j] = stack[j - 1];
             stack[j] = {d.block * blockBoxes + unsigned(i), d.level - 1, squared[i]};

@@ -1,5 +1,7 @@
 #include "renderer/cloud/sample.hpp"
 
+#include <immintrin.h>
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -17,6 +19,8 @@ constexpr float steps = 127.0f;
 float signOf(float v) {
     return v < 0 ? -1.0f : 1.0f;
 }
+
+typedef float Four __attribute__((vector_size(4 * sizeof(float))));
 
 /// What a byte of a code is on its axis of the square.
 constexpr auto places = [] {
@@ -41,8 +45,7 @@ glm::vec3 decodeNormal(std::uint16_t code) {
     }
     // One division of four numbers costs what one of a single number does.
     const float length = std::sqrt(glm::dot(n, n));
-    std::array<float, 4> unit{n.x, n.y, n.z, 0};
-    for (float& c : unit) c /= length;
+    const Four unit = Four{n.x, n.y, n.z, 0} / length;
     return {unit[0], unit[1], unit[2]};
 }
 
@@ -61,20 +64,20 @@ std::uint16_t encodeNormal(glm::vec3 n) {
     // They are decoded side by side, as decodeNormal() does each.
     const std::uint16_t first = pack(u0, v0);
     constexpr std::array<std::uint16_t, 4> neighbours{0, 256, 1, 257};
-    std::array<float, 4> along;
-    for (std::size_t i = 0; i < 4; ++i) {
-        const float cu = places[std::size_t(first >> 8) + (i & 1)],
-                    cv = places[std::size_t(first & 255) + (i >> 1)];
-        const float au = std::abs(cu), av = std::abs(cv), z = 1 - au - av;
-        const float x = z < 0 ? (1 - av) * signOf(cu) : cu, y = z < 0 ? (1 - au) * signOf(cv) : cv;
-        const float length = std::sqrt(x * x + y * y + z * z);
-        along[i] = x / length * n.x + y / length * n.y + z / length * n.z;
-    }
+    const std::size_t atU = first >> 8, atV = first & 255;
+    const Four cu{places[atU], places[atU + 1], places[atU], places[atU + 1]};
+    const Four cv{places[atV], places[atV], places[atV + 1], places[atV + 1]};
+    const Four one{1, 1, 1, 1}, au = cu < 0 ? -cu : cu, av = cv < 0 ? -cv : cv, z = one - au - av;
+    const Four foldedX = one - av, foldedY = one - au;
+    const Four x = z < 0 ? (cu < 0 ? -foldedX : foldedX) : cu;
+    const Four y = z < 0 ? (cv < 0 ? -foldedY : foldedY) : cv;
+    const Four length(_mm_sqrt_ps(__m128(x * x + y * y + z * z)));
+    const Four along = x / length * n.x + y / length * n.y + z / length * n.z;
     std::uint16_t best = first;
     float bestDot = -4;
     for (std::size_t i = 0; i < 4; ++i) {
-        if (along[i] > bestDot) {
-            bestDot = along[i];
+        if (along[int(i)] > bestDot) {
+            bestDot = along[int(i)];
             best = std::uint16_t(first + neighbours[i]);
         }
     }

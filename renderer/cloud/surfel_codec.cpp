@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 namespace scancast {
 
@@ -27,6 +28,9 @@ constexpr auto radii = [] {
     table[outlierRadius] = table[firstCode];
     return table;
 }();
+
+typedef float Four __attribute__((vector_size(4 * sizeof(float))));
+typedef int FourInts __attribute__((vector_size(4 * sizeof(int))));
 
 struct Directions {
     std::array<float, angles> cosine{}, sine{};
@@ -83,15 +87,18 @@ std::uint8_t axisAngleOf(const glm::vec3& axis, const glm::vec3& normal) {
     const float u = glm::dot(axis, frame.first), v = glm::dot(axis, frame.second);
     // The first of the largest; each of four lanes looks at every fourth angle.
     constexpr int lanes = 4;
-    std::array<float, lanes> largest{-1, -1, -1, -1};
-    std::array<int, lanes> at{};
-    for (int i = 0; i < angles; i += lanes)
-        for (int l = 0; l < lanes; ++l) {
-            const float along = std::abs(u * directions.cosine[i + l] + v * directions.sine[i + l]);
-            const bool larger = along > largest[l];
-            largest[l] = larger ? along : largest[l];
-            at[l] = larger ? i : at[l];
-        }
+    Four largest{-1, -1, -1, -1};
+    FourInts at{};
+    for (int i = 0; i < angles; i += lanes) {
+        Four cosine, sine;
+        std::memcpy(&cosine, &directions.cosine[i], sizeof cosine);
+        std::memcpy(&sine, &directions.sine[i], sizeof sine);
+        const Four signedAlong = u * cosine + v * sine;
+        const Four along = signedAlong < 0 ? -signedAlong : signedAlong;
+        const FourInts larger = along > largest;
+        largest = larger ? along : largest;
+        at = larger ? FourInts{i, i, i, i} : at;
+    }
     int best = at[0];
     float most = largest[0];
     for (int l = 1; l < lanes; ++l) {

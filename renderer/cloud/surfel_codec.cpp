@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 namespace scancast {
 
@@ -27,6 +28,9 @@ constexpr auto radii = [] {
     table[outlierRadius] = table[firstCode];
     return table;
 }();
+
+typedef float Four __attribute__((vector_size(4 * sizeof(float))));
+typedef int FourInts __attribute__((vector_size(4 * sizeof(int))));
 
 struct Directions {
     std::array<float, angles> cosine{}, sine{};
@@ -81,13 +85,27 @@ TangentFrame tangentFrame(glm::vec3 n) {
 std::uint8_t axisAngleOf(const glm::vec3& axis, const glm::vec3& normal) {
     const TangentFrame frame = tangentFrame(normal);
     const float u = glm::dot(axis, frame.first), v = glm::dot(axis, frame.second);
-    int best = 0;
-    float largest = -1;
-    for (int i = 0; i < angles; ++i) {
-        const float along = std::abs(u * directions.cosine[i] + v * directions.sine[i]);
-        if (along > largest) {
-            largest = along;
-            best = i;
+    // The first of the largest; each of four lanes looks at every fourth angle.
+    constexpr int lanes = 4;
+    Four largest{-1, -1, -1, -1};
+    FourInts at{};
+    for (int i = 0; i < angles; i += lanes) {
+        Four cosine, sine;
+        std::memcpy(&cosine, &directions.cosine[i], sizeof cosine);
+        std::memcpy(&sine, &directions.sine[i], sizeof sine);
+        const Four signedAlong = u * cosine + v * sine;
+        const Four along = signedAlong < 0 ? -signedAlong : signedAlong;
+        const FourInts larger = along > largest;
+        largest = larger ? along : largest;
+        at = larger ? FourInts{i, i, i, i} : at;
+    }
+    int best = at[0];
+    float most = largest[0];
+    for (int l = 1; l < lanes; ++l) {
+        const int angle = at[l] + l;
+        if (largest[l] > most || (largest[l] == most && angle < best)) {
+            most = largest[l];
+            best = angle;
         }
     }
     return std::uint8_t(best);

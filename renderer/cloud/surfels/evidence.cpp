@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "renderer/cloud/surfels/two.hpp"
+
 namespace scancast {
 
 namespace {
@@ -119,17 +121,25 @@ float Evidence::rough(std::uint32_t p) const {
 
 bool Evidence::flatFarther(std::uint32_t p, double mostRatio, double leastWidth) const {
     const glm::vec3 at = index_.position(p);
-    glm::dvec3 sum(0);
-    glm::dmat3 squares(0);
-    double count = 1;
+    // Of d = (x, y, z): sums, squares and products, two at a time.
+    Two sumXy{}, xxYy{}, xyXz{}, sumZzz{};
+    double yz = 0, count = 1;
     for (const std::uint32_t w : witnesses(p))
         for (const std::uint32_t v : witnesses(w)) {
             const glm::dvec3 d = glm::dvec3(index_.position(v) - at);
-            sum += d;
-            for (int a = 0; a < 3; ++a)
-                for (int b = a; b < 3; ++b) squares[a][b] += d[a] * d[b];
+            const Two xy{d.x, d.y}, oneZ{1, d.z};
+            sumXy += xy;
+            xxYy += xy * xy;
+            xyXz += Two{d.x, d.x} * Two{d.y, d.z};
+            sumZzz += oneZ * Two{d.z, d.z};
+            yz += d.y * d.z;
             ++count;
         }
+    const glm::dvec3 sum(sumXy[0], sumXy[1], sumZzz[0]);
+    glm::dmat3 squares(0);
+    squares[0] = {xxYy[0], xyXz[0], xyXz[1]};
+    squares[1] = {0, xxYy[1], yz};
+    squares[2] = {0, 0, sumZzz[1]};
     glm::dmat3 variance(0);
     for (int a = 0; a < 3; ++a)
         for (int b = a; b < 3; ++b)

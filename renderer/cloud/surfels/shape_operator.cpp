@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
+
+#include "renderer/cloud/surfels/two.hpp"
 
 namespace scancast {
 
@@ -21,48 +22,45 @@ constexpr double noiseExplains = 12;
 constexpr double leastTurnPivot = 1e-3;
 
 /// Sums over the witnesses and the point itself, around their means: ways (u, v) in the surface, slopes (s, t) along u
-/// and v.
+/// and v; the first and the second axis' beside each other.
 struct TurnMoments {
     double count = 1;
-    glm::dvec2 way{0}, slope{0};
-    double uu = 0, uv = 0, vv = 0, su = 0, sv = 0, tu = 0, tv = 0, slopes = 0;
+    Two way{}, slope{};
+    Two uuVv{}, suTv{}, svTu{};
+    double uv = 0, slopes = 0;
 
-    void add(const glm::dvec2& w, const glm::dvec2& s) {
+    void add(const Two& w, const Two& s) {
         ++count;
         way += w;
         slope += s;
-        uu += w.x * w.x;
-        uv += w.x * w.y;
-        vv += w.y * w.y;
-        su += s.x * w.x;
-        sv += s.x * w.y;
-        tu += s.y * w.x;
-        tv += s.y * w.y;
-        slopes += s.x * s.x + s.y * s.y;
+        uuVv += w * w;
+        suTv += s * w;
+        svTu += s * Two{w[1], w[0]};
+        uv += w[0] * w[1];
+        const Two squares = s * s;
+        slopes += squares[0] + squares[1];
     }
     void center() {
-        uu -= way.x * way.x / count;
-        uv -= way.x * way.y / count;
-        vv -= way.y * way.y / count;
-        su -= slope.x * way.x / count;
-        sv -= slope.x * way.y / count;
-        tu -= slope.y * way.x / count;
-        tv -= slope.y * way.y / count;
-        slopes -= (slope.x * slope.x + slope.y * slope.y) / count;
+        uuVv -= way * way / count;
+        suTv -= slope * way / count;
+        svTu -= slope * Two{way[1], way[0]} / count;
+        uv -= way[0] * way[1] / count;
+        slopes -= (slope[0] * slope[0] + slope[1] * slope[1]) / count;
     }
 };
 
 /// The symmetric B for which slopes are nearest to B · way, shrunk by what noise explains of it.
 glm::dvec3 fitOperator(const TurnMoments& m) {
     // Normal equations of a, b, c: those of b are both slopes'.
-    const double trace = m.uu + m.vv, right[turnTerms] = {m.su, m.sv + m.tu, m.tv};
-    if (!(m.uu > leastTurnPivot * trace)) return glm::dvec3(0);
-    const double l = m.uv / m.uu, second = trace - l * m.uv;
+    const double uu = m.uuVv[0], vv = m.uuVv[1];
+    const double trace = uu + vv, right[turnTerms] = {m.suTv[0], m.svTu[0] + m.svTu[1], m.suTv[1]};
+    if (!(uu > leastTurnPivot * trace)) return glm::dvec3(0);
+    const double l = m.uv / uu, second = trace - l * m.uv;
     if (!(second > leastTurnPivot * trace)) return glm::dvec3(0);
-    const double k = m.uv / second, third = m.vv - k * m.uv;
+    const double k = m.uv / second, third = vv - k * m.uv;
     if (!(third > leastTurnPivot * trace)) return glm::dvec3(0);
     const double y2 = right[1] - l * right[0], y3 = right[2] - k * y2;
-    const double c = y3 / third, b = y2 / second - k * c, a = right[0] / m.uu - l * b;
+    const double c = y3 / third, b = y2 / second - k * c, a = right[0] / uu - l * b;
     const double explained = right[0] * a + right[1] * b + right[2] * c;
     const double freedom = 2 * m.count - turnConstants - turnTerms;
     const double noise = std::max(m.slopes - explained, 0.0) / freedom;
@@ -82,13 +80,14 @@ glm::dvec3 bendAt(std::uint32_t p, const NeighbourIndex& index, const Evidence& 
         return glm::dvec3(index.position(i)) + glm::dvec3(evidence.middle(i));
     };
     const glm::dvec3 at = middleOf(p);
+    const Two axes[3] = {{first.x, second.x}, {first.y, second.y}, {first.z, second.z}};
+    const auto alongAxes = [&](const glm::dvec3& v) { return v.x * axes[0] + v.y * axes[1] + v.z * axes[2]; };
     TurnMoments m;
     for (const std::uint32_t w : evidence.witnesses(p)) {
-        const glm::dvec3 normal = evidence.normal(w), way = middleOf(w) - at;
+        const glm::dvec3 normal = evidence.normal(w);
         const double cosine = glm::dot(normal, n);
         if (!(std::abs(cosine) > leastCosine)) continue;
-        m.add({glm::dot(way, first), glm::dot(way, second)},
-              glm::dvec2(glm::dot(normal, first), glm::dot(normal, second)) / cosine);
+        m.add(alongAxes(middleOf(w) - at), alongAxes(normal) / cosine);
     }
     if (m.count <= leastWitnesses) return glm::dvec3(0);
     m.center();

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "renderer/cloud/build/nodes/leaf.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
@@ -56,6 +57,33 @@ TEST(Morton, CellCountEqualsCountingCells) {
             cells.insert({p[0] >> cellLevel, p[1] >> cellLevel, p[2] >> cellLevel});
         EXPECT_EQ(count.cells(cellLevel), cells.size()) << cellLevel;
     }
+}
+
+TEST(Morton, LeavesAreInItsOrderWhateverTheyWere) {
+    // Few and many, within one block of keys and across blocks, with points at the same place.
+    for (const std::uint64_t count : {3u, 1000u, 1500u, 40'000u})
+        for (const std::uint64_t corner : {std::uint64_t(0), (std::uint64_t(1) << 20) - 9000}) {
+            std::vector<BuildPoint> points(count);
+            GridBox box;
+            for (std::uint64_t i = 0; i < count; ++i) {
+                GridPosition at;
+                for (std::size_t a = 0; a < 3; ++a)
+                    at[a] = corner + std::uint64_t(test::uniform(i, a + 1) * (i % 7 == 0 ? 40 : 30'000));
+                points[i].setPosition(at);
+                points[i].intensity = std::uint16_t(test::uniform(i, 4) * 3);
+                box.add(at);
+            }
+            std::vector<BuildPoint> expected = points;
+            std::sort(expected.begin(), expected.end(), [](const BuildPoint& a, const BuildPoint& b) {
+                if (a.position() != b.position()) return mortonLess(a.position(), b.position());
+                return a.intensity < b.intensity;
+            });
+            makeLeaf(points, box, Grid{}, glm::dvec3(0));
+            for (std::size_t i = 0; i < count; ++i) {
+                ASSERT_EQ(points[i].position(), expected[i].position()) << count << ", " << i;
+                ASSERT_EQ(points[i].intensity, expected[i].intensity) << count << ", " << i;
+            }
+        }
 }
 
 }  // namespace

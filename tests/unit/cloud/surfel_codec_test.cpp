@@ -89,6 +89,28 @@ TEST(SurfelCodec, ClampsRatiosBelowAQuarterAndRoundsRatiosNearOneToCircles) {
     EXPECT_EQ(s.ellipse, 0);
 }
 
+TEST(SurfelCodec, TakesTheFirstOfTheAnglesThatAreNearest) {
+    for (std::uint64_t i = 0; i < 5000; ++i) {
+        const glm::vec3 normal = direction(i), axis = direction(i + 7'000'000);
+        int nearest = 0;
+        float most = -1;
+        for (int angle = 0; angle < 32; ++angle) {
+            const float along = std::abs(glm::dot(axis, axisAtAngle(std::uint8_t(angle), normal)));
+            if (along > most + 1e-6f) {
+                most = along;
+                nearest = angle;
+            }
+        }
+        const int found = axisAngleOf(axis, normal);
+        if (found == nearest) continue;
+        ASSERT_NEAR(std::abs(glm::dot(axis, axisAtAngle(std::uint8_t(found), normal))), most, 1e-6) << i;
+    }
+    // All are equally far from the normal itself, and from what is no direction.
+    const glm::vec3 up(0, 0, 1);
+    EXPECT_EQ(axisAngleOf(up, up), 0);
+    EXPECT_EQ(axisAngleOf(glm::vec3(NAN), up), 0);
+}
+
 TEST(SurfelCodec, LeavesTheNormalOfASampleWhoseSurfelHasNoneAndEverythingElseAlways) {
     Sample s{1, 2, 3, 4, 5, 6, 7, 8, encodeNormal({0, 1, 0}), 0, 0};
     Surfel line = surfelOf({0, 0, 1}, 0, 1, 0.25f);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <vector>
 
 #include "renderer/cloud/build/morton.hpp"
 
@@ -24,8 +25,10 @@ GridPosition cellOf(const Average& a, int ownCellLevel, int cellLevel) {
 }
 
 NormalSum normalOf(const BuildPoint& p) {
-    const glm::vec3 n = decodeNormal(p.normal);
-    return {std::lround(n.x * 4096), std::lround(n.y * 4096), std::lround(n.z * 4096)};
+    const glm::dvec3 n = glm::dvec3(decodeNormal(p.normal)) * 4096.0;
+    // To nearest, halves away from 0: the sums are exact in double.
+    const auto round = [](double v) { return std::int64_t(std::int32_t(v + (v < 0 ? -0.5 : 0.5))); };
+    return {round(n.x), round(n.y), round(n.z)};
 }
 NormalSum normalOf(const Average& a) {
     return a.normal;
@@ -64,8 +67,8 @@ struct Elsewhere {
     }
 };
 
-void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules, const Elsewhere& elsewhere,
-         Votes& votes) {
+void add(Average& sum, const BuildPoint& p, const NormalSum& normal, int sign, const AverageRules& rules,
+         const Elsewhere& elsewhere, Votes& votes) {
     for (int a = 0; a < 3; ++a) {
         sum.position[a] += p.axis(a);
         sum.color[a] += p.color[a];
@@ -74,19 +77,17 @@ void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules,
     sum.intensity += p.intensity;
     if (rules.attributes.nearInfrared) sum.nearInfrared += elsewhere.nearInfraredOf(p);
     if (const Bulk bulk = p.bulk(); bulk != Bulk::Surface) ++sum.bulks[std::size_t(bulk) - 1];
-    if (rules.attributes.normal && rules.sides) {
-        const NormalSum n = normalOf(p);
-        for (int a = 0; a < 3; ++a) sum.normal[a] += sign * n[a];
-    }
+    if (rules.attributes.normal && rules.sides)
+        for (int a = 0; a < 3; ++a) sum.normal[a] += sign * normal[a];
     if (rules.attributes.classification) votes.add(p.classification, 1);
 }
 
-void add(Average& sum, const Average& other, int sign, const AverageRules& rules, const Elsewhere& elsewhere,
-         Votes& votes) {
+void add(Average& sum, const Average& other, const NormalSum& normal, int sign, const AverageRules& rules,
+         const Elsewhere& elsewhere, Votes& votes) {
     for (int a = 0; a < 3; ++a) {
         sum.position[a] += other.position[a];
         sum.color[a] += other.color[a];
-        if (rules.sides) sum.normal[a] += sign * other.normal[a];
+        if (rules.sides) sum.normal[a] += sign * normal[a];
         sum.bulks[std::size_t(a)] += other.bulks[std::size_t(a)];
     }
     sum.count += other.count;
@@ -156,6 +157,13 @@ const Average& at(const Average* a) {
     return *a;
 }
 
+/// Of one thing in a run: its normal, on which side of the cell that is, and which way it counts.
+struct Turned {
+    NormalSum normal{};
+    std::size_t side = 0;
+    int sign = 1;
+};
+
 /// One run of things in one cell → one sample or two.
 template <class Things>
 void averageRun(Things run, const GridPosition& cell, const AverageRules& rules, const Elsewhere& elsewhere,
@@ -164,29 +172,33 @@ void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
     std::array<Average, 2> sides;
     sides[0].cell = sides[1].cell = cell;
     const bool looks = rules.attributes.normal && run.size() > 1;
-    SignFreeAxis axis;
+    thread_local std::vector<Turned> turned;  // decoded once, asked for four times
+    turned.assign(run.size(), {});
+    if (rules.attributes.normal)
+        for (std::size_t i = 0; i < run.size(); ++i) turned[i].normal = normalOf(at(run[i]));
     if (looks) {
-        for (const auto& thing : run) axis.add(normalOf(at(thing)));
+        SignFreeAxis axis;
+        for (const Turned& t : turned) axis.add(t.normal);
         axis.finish();
+        for (Turned& t : turned) {
+            t.side = rules.oriented && axis.opposite(t.normal);
+            if (!rules.oriented && axis.behind(t.normal)) t.sign = -1;
+        }
     }
-    const auto sideOf = [&](const auto& thing) -> std::size_t {
-        return looks && rules.oriented && axis.opposite(normalOf(at(thing)));
-    };
-    for (const auto& thing : run) {
-        const std::size_t side = sideOf(thing);
-        const int sign = looks && !rules.oriented && axis.behind(normalOf(at(thing))) ? -1 : 1;
-        add(sides[side], at(thing), sign, rules, elsewhere, votes[side]);
+    for (std::size_t i = 0; i < run.size(); ++i) {
+        const Turned& t = turned[i];
+        add(sides[t.side], at(run[i]), t.normal, t.sign, rules, elsewhere, votes[t.side]);
     }
     if (rules.reach) {
         const GridPosition from{cell[0] << out.cellLevel, cell[1] << out.cellLevel, cell[2] << out.cellLevel};
         std::array<glm::dvec3, 2> mean;
         for (std::size_t side = 0; side < 2; ++side)
             if (sides[side].count > 0) mean[side] = meanPosition(sides[side], from);
-        for (const auto& thing : run) {
-            const std::size_t side = sideOf(thing);
-            if (bulkOf(at(thing)) == Bulk::Stray && bulkOf(sides[side]) != Bulk::Stray) continue;
+        for (std::size_t i = 0; i < run.size(); ++i) {
+            const std::size_t side = turned[i].side;
+            if (bulkOf(at(run[i])) == Bulk::Stray && bulkOf(sides[side]) != Bulk::Stray) continue;
             sides[side].reach =
-                std::max(sides[side].reach, reachFrom(mean[side], at(thing), from, rules.gridStep));
+                std::max(sides[side].reach, reachFrom(mean[side], at(run[i]), from, rules.gridStep));
         }
     }
     for (std::size_t side = 0; side < 2; ++side) {

@@ -1,7 +1,9 @@
 #include "renderer/cloud/build/nodes/leaf.hpp"
 
 #include <algorithm>
+#include <array>
 #include <tuple>
+#include <utility>
 
 #include "renderer/cloud/build/nodes/spacing.hpp"
 
@@ -55,6 +57,30 @@ class KeyMaker {
     std::array<std::uint64_t, 8> rank_{};
 };
 
+/// Sorts numbers whose lowest 16 bits are in order already, and tell those apart that are equal above: a digit after the
+/// other, from the lowest on.
+void sortByKey(std::vector<std::uint64_t>& keys) {
+    constexpr int digitBits = 8, lowest = 16;
+    constexpr std::size_t digits = 6, values = std::size_t(1) << digitBits, few = 1024;
+    if (keys.size() < few) return std::sort(keys.begin(), keys.end());
+    const auto digitOf = [](std::uint64_t key, std::size_t d) {
+        return std::size_t(key >> (lowest + digitBits * int(d))) & (values - 1);
+    };
+    std::array<std::array<std::uint32_t, values>, digits> counts{};
+    for (const std::uint64_t key : keys)
+        for (std::size_t d = 0; d < digits; ++d) ++counts[d][digitOf(key, d)];
+    thread_local std::vector<std::uint64_t> other;
+    other.resize(keys.size());
+    for (std::size_t d = 0; d < digits; ++d) {
+        auto& next = counts[d];
+        if (next[digitOf(keys.front(), d)] == keys.size()) continue;  // all the same
+        std::uint32_t before = 0;
+        for (std::uint32_t& n : next) before += std::exchange(n, before);
+        for (const std::uint64_t key : keys) other[next[digitOf(key, d)]++] = key;
+        keys.swap(other);
+    }
+}
+
 /// Returns the cell level down to which the points are in Morton order; within a cell of it, by their whole
 /// content.
 int sortPoints(std::span<BuildPoint> points, const GridBox& box) {
@@ -67,7 +93,7 @@ int sortPoints(std::span<BuildPoint> points, const GridBox& box) {
     thread_local std::vector<BuildPoint> copy;
     keys.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) keys[i] = maker.key(points[i].position()) << 16 | i;
-    std::sort(keys.begin(), keys.end());
+    sortByKey(keys);
     copy.assign(points.begin(), points.end());
     std::size_t same = 0;
     for (std::size_t i = 0; i < keys.size(); ++i) {

@@ -29,37 +29,58 @@ constexpr std::size_t fewest = 24, most = 400;  // neighbours that make a neighb
 constexpr double quantile = 0.85;
 constexpr double pitchPerReach = 1.4142135623730951;
 
-struct SampleBox {
-    glm::vec3 low, high;
-    float squaredDistance(const glm::vec3& p) const {
-        const glm::vec3 d = glm::max(glm::max(low - p, p - high), glm::vec3(0));
-        return glm::dot(d, d);
-    }
+/// Boxes around runs of samples, each bound of all of them side by side.
+struct SampleBoxes {
+    std::array<std::vector<float>, 3> low, high;
+    std::size_t size() const { return low[0].size(); }
 };
 
-std::vector<SampleBox> boxesOf(std::span<const glm::vec3> samples) {
-    std::vector<SampleBox> blocks;
-    blocks.reserve(samples.size() / blockSize + 1);
-    for (std::size_t i = 0; i < samples.size(); i += blockSize) {
-        SampleBox b{samples[i], samples[i]};
-        for (const glm::vec3& p : samples.subspan(i, std::min(blockSize, samples.size() - i))) {
-            b.low = glm::min(b.low, p);
-            b.high = glm::max(b.high, p);
-        }
-        blocks.push_back(b);
+SampleBoxes boxesOf(std::span<const glm::vec3> samples) {
+    SampleBoxes boxes;
+    for (int a = 0; a < 3; ++a) {
+        boxes.low[a].reserve(samples.size() / blockSize + 1);
+        boxes.high[a].reserve(samples.size() / blockSize + 1);
     }
-    return blocks;
+    for (std::size_t i = 0; i < samples.size(); i += blockSize) {
+        glm::vec3 low = samples[i], high = low;
+        for (const glm::vec3& p : samples.subspan(i, std::min(blockSize, samples.size() - i))) {
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
+        for (int a = 0; a < 3; ++a) {
+            boxes.low[a].push_back(low[a]);
+            boxes.high[a].push_back(high[a]);
+        }
+    }
+    return boxes;
+}
+
+/// Of a place to every box.
+void squaredDistances(const SampleBoxes& boxes, const glm::vec3& p, std::vector<float>& out) {
+    out.resize(boxes.size());
+    float* const to = out.data();
+    const std::array<const float*, 3> low{boxes.low[0].data(), boxes.low[1].data(), boxes.low[2].data()};
+    const std::array<const float*, 3> high{boxes.high[0].data(), boxes.high[1].data(), boxes.high[2].data()};
+    const auto along = [&](std::size_t a, std::size_t i) {
+        const float below = low[a][i] - p[int(a)], above = p[int(a)] - high[a][i];
+        const float d = below < above ? above : below;
+        return d < 0 ? 0.0f : d;
+    };
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        const float x = along(0, i), y = along(1, i), z = along(2, i);
+        to[i] = x * x + y * y + z * z;
+    }
 }
 
 /// The neighbours of samples[at] within a radius, as offsets; equal samples are left out. Stops early past
 /// `most`.
-void gather(std::span<const glm::vec3> samples, std::span<const SampleBox> blocks, std::size_t at,
+void gather(std::span<const glm::vec3> samples, std::span<const float> fromBoxes, std::size_t at,
             float radius, std::vector<glm::vec3>& out) {
     out.clear();
     const glm::vec3 p = samples[at];
     const float limit = radius * radius;
-    for (std::size_t b = 0; b < blocks.size() && out.size() <= most; ++b) {
-        if (blocks[b].squaredDistance(p) > limit) continue;
+    for (std::size_t b = 0; b < fromBoxes.size() && out.size() <= most; ++b) {
+        if (fromBoxes[b] > limit) continue;
         for (const glm::vec3& q :
              samples.subspan(b * blockSize, std::min(blockSize, samples.size() - b * blockSize))) {
             const glm::vec3 d = q - p;
@@ -78,9 +99,10 @@ class Neighbourhoods {
   public:
     explicit Neighbourhoods(std::span<const glm::vec3> samples)
         : samples_(samples), blocks_(boxesOf(samples)) {
-        SampleBox all = blocks_.front();
-        for (const SampleBox& b : blocks_) all = {glm::min(all.low, b.low), glm::max(all.high, b.high)};
-        largest_ = glm::length(all.high - all.low);
+        glm::vec3 size;
+        for (int a = 0; a < 3; ++a)
+            size[a] = *std::ranges::max_element(blocks_.high[a]) - *std::ranges::min_element(blocks_.low[a]);
+        largest_ = glm::length(size);
     }
 
     bool empty() const { return !(largest_ > 0); }
@@ -92,8 +114,9 @@ class Neighbourhoods {
         float tooMany = std::numeric_limits<float>::infinity();
         bool line = false;
         TangentPlane plane;
+        squaredDistances(blocks_, samples_[at], fromBlocks_);
         for (int tries = 0; tries < 40; ++tries) {
-            gather(samples_, blocks_, at, radius, out);
+            gather(samples_, fromBlocks_, at, radius, out);
             if (out.size() > most) {
                 tooMany = radius;
                 radius *= 0.6f;
@@ -113,13 +136,16 @@ class Neighbourhoods {
 
   private:
     float firstGuess(std::size_t at) const {
-        const SampleBox& b = blocks_[at / blockSize];
-        const float size = glm::length(b.high - b.low);
+        glm::vec3 sizes;
+        for (int a = 0; a < 3; ++a)
+            sizes[a] = blocks_.high[a][at / blockSize] - blocks_.low[a][at / blockSize];
+        const float size = glm::length(sizes);
         return size > 0 ? size : largest_ * 1e-3f;
     }
 
     std::span<const glm::vec3> samples_;
-    std::vector<SampleBox> blocks_;
+    SampleBoxes blocks_;
+    std::vector<float> fromBlocks_;  ///< squared distances of the sample that is asked for
     float largest_ = 0, guess_ = 0;
 };
 

@@ -151,29 +151,36 @@ inline int keepWithin(SearchScratch& w, int n, float limit) {
     return m;
 }
 
+/// Of m points in w.near and w.found: where some are equally far they share a rank; they take the places from there on,
+/// and are put in order afterwards.
+inline void placeEquals(SearchScratch& w, int m) {
+    for (int i = 0; i < m; ++i) w.pick[i] = -1;
+    for (int i = 0; i < m; ++i) {
+        int place = 0;
+        for (int j = 0; j < m; ++j) place += w.near[j] < w.near[i];
+        while (w.pick[place] >= 0) ++place;
+        w.pick[place] = w.found[i];
+    }
+    sortPicks(w, m);
+}
+
 /// Of n measured points those within `limit`, in order, into w.pick; how many.
 inline int rankWithin(SearchScratch& w, int n, float limit) {
     const int m = keepWithin(w, n, limit);
     for (int i = 0; i < 16; ++i) w.near[m + i] = infinity;
-    for (int i = 0; i < m; ++i) w.pick[i] = -1;
-    // A point's rank is how many are nearer. Where some are equally far they share a rank: they take the
-    // places from there on, and are put in order afterwards.
-    bool ties = false;
+    // A point's rank is how many are nearer. Together they are 0 + 1 + … + (m - 1), or less where some share one.
+    int ranks = 0;
     for (int block = 0; block < m; block += 16) {
         int rank[16] = {};
         for (int j = 0; j < m; ++j)
             for (int l = 0; l < 16; ++l) rank[l] += w.near[j] < w.near[block + l];
         const int end = m - block < 16 ? m - block : 16;
         for (int l = 0; l < end; ++l) {
-            int place = rank[l];
-            while (w.pick[place] >= 0) {
-                ties = true;
-                ++place;
-            }
-            w.pick[place] = w.found[block + l];
+            w.pick[rank[l]] = w.found[block + l];
+            ranks += rank[l];
         }
     }
-    if (ties) sortPicks(w, m);
+    if (2 * ranks != m * (m - 1)) placeEquals(w, m);
     return m;
 }
 
@@ -223,7 +230,8 @@ inline int searchFromRoot(const IndexView& index, const float (&at)[3], int want
         distancesTo(index.blocks[index.levelBegin[d.level] + d.block], box, squared);
         const int first = top;
         for (int i = 0; i < blockBoxes; ++i) {
-            if (!(squared[i] < infinity)) continue;
+            if (!(squared[i] < infinity) || (found == wanted && squared[i] > w.bestSquared[found - 1]))
+                continue;
             int j = top++;
             for (; j > first && stack[j - 1].squared < squared[i]; --j) stack[j] = stack[j - 1];
             stack[j] = {d.block * blockBoxes + unsigned(i), d.level - 1, squared[i]};

@@ -93,8 +93,9 @@ void flush(const Run& run, int level) {
         covariance(n, first, m, a);
         principal(a, d);
         Distances distances;
-        averageDistance(n, first, m, distances.all);
-        averageDistance(n, first, m < mostWitnesses ? m : mostWitnesses, distances.nearest);
+        const int few = m < mostWitnesses ? m : mostWitnesses;
+        averageDistances(n, first, m, few, distances.all.low, distances.nearest.low);
+        averageDistances(n, first + partLanes, m, few, distances.all.high, distances.nearest.high);
         const Lanes(&variance)[3] = a.diagonal;
         for (int l = 0; l < chunk && first + l < count; ++l) {
             if (variance[1][l] < lineRatio * variance[0][l] && run.canDouble(level)) {

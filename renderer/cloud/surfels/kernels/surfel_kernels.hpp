@@ -34,7 +34,6 @@ struct IndexView {
 inline constexpr int maxNeighbours = 80;  ///< beside the point itself
 inline constexpr int doublings = 8;       ///< of k = 1: 1, 2, 4 … 128 would be more than maxNeighbours
 inline constexpr int groupSize = 16;      ///< queries that share their candidates
-inline constexpr int chunk = 8;           ///< lanes that are solved side by side
 inline constexpr int batchLanes = 40;     ///< neighbourhoods waiting to be solved
 inline constexpr int capacity = 1024;     ///< candidates of a group; more are not worth ranking
 inline constexpr int mostWitnesses = 8;   ///< neighbours that a point's own estimate is held against

@@ -19,7 +19,7 @@ constexpr double longestRise = 0.25;  // s; a pause proves nothing
 constexpr double deepestFall = 0.25;
 // Acknowledgements that a busy machine, or a radio, handed over together say nothing each: the time before the second is not what the
 // line took. As many as may come so.
-constexpr std::size_t mostTogether = 8;
+constexpr std::size_t mostTogether = 4;
 
 double seconds(LinkEstimate::Time from, LinkEstimate::Time to) {
     return std::chrono::duration<double>(to - from).count();

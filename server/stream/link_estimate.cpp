@@ -17,9 +17,6 @@ constexpr double patience = 0.3;      // s
 constexpr double longestRise = 0.25;  // s; a pause proves nothing
 // One late acknowledgement may be somebody's microwave oven; the next one corrects it.
 constexpr double deepestFall = 0.25;
-// Acknowledgements that a busy machine, or a radio, handed over together say nothing each: the time before the second is not what the
-// line took. As many as may come so.
-constexpr std::size_t mostTogether = 4;
 
 double seconds(LinkEstimate::Time from, LinkEstimate::Time to) {
     return std::chrono::duration<double>(to - from).count();
@@ -61,24 +58,8 @@ void LinkEstimate::acknowledged(std::uint64_t frame, double interval, Time now) 
     const double longest = std::max(seconds(start, now), clockTick);
     lastAck_ = now;
     noteRoundTrip(seconds(first->sent, now), overlap, bandwidth_ ? bytes / *bandwidth_ : 0, now);
-    const double proven = provenBy(*first, bytes, now);
     const double shortest = longest - std::max(latency() - overlap, 0.0);
-    moveInto(proven, shortest > clockTick ? bytes / shortest : never, 2 * bytes / interval, elapsed);
-}
-
-// Bytes a second that came through at least: of the newest acknowledgement, and of it with those before it, the least.
-double LinkEstimate::provenBy(const Flight& first, double bytes, Time now) {
-    arrivals_.push_back({first.sent, now, bytes});
-    if (arrivals_.size() > mostTogether + 1) arrivals_.pop_front();
-    constexpr double clockTick = 1e-6;
-    double least = never, sum = 0;
-    for (std::size_t i = arrivals_.size(); i-- > 0;) {
-        sum += arrivals_[i].bytes;
-        if (i == 0 && arrivals_.size() > 1) break;  // it says when the one after it began
-        const Time before = i > 0 ? std::max(arrivals_[i - 1].at, arrivals_[i].sent) : arrivals_[i].sent;
-        least = std::min(least, sum / std::max(seconds(before, now), clockTick));
-    }
-    return least;
+    moveInto(bytes / longest, shortest > clockTick ? bytes / shortest : never, 2 * bytes / interval, elapsed);
 }
 
 // A frame that had to wait for the one before says nothing about latency: then the one before was still on the line when this one came

@@ -45,18 +45,11 @@ class LinkEstimate {
         bool alone = false;
     };
 
-    struct Arrival {
-        Time sent, at;
-        double bytes = 0;
-    };
-
-    double provenBy(const Flight& first, double bytes, Time now);
     void noteRoundTrip(double seconds, double overlap, double onLine, Time now);
     void moveInto(double lower, double upper, double ceiling, double elapsed);
 
     std::deque<Flight> flights_;  // oldest first; as many as may be unacknowledged
     std::optional<Time> lastAck_;
-    std::deque<Arrival> arrivals_;  // the newest acknowledgements, oldest first
     std::optional<double> bandwidth_;
     double quickest_ = never, quickestBefore_ = never;  // round trips of this period and the one before, s
     Time periodStart_, lastClear_;

@@ -20,9 +20,6 @@ struct ShapedLine {
     std::function<double(double seconds)> bandwidth;                           ///< bytes/s
     double way = 0.01;                                                         ///< s, each way, of nothing
     std::function<double(double seconds)> later = [](double) { return 0.0; };  ///< s more there: jitter
-    std::function<double(double seconds)> handedOver = [](double seconds) {
-        return seconds;
-    };  ///< when an acknowledgement that is there is read: several together, on a busy machine
     double decodeMs = 0;  ///< of a frame, one after the other, before it is acknowledged
 };
 
@@ -192,7 +189,7 @@ class ShapedSession final : public StreamPort {
             };
             frame.arrived = after(acks_, now() + line_.way + line_.later(now()), &ArrivedFrame::arrived);
             decoded_ = std::max(decoded_, frame.arrived) + line_.decodeMs / 1000;
-            frame.acknowledged = line_.handedOver(decoded_ + line_.way);
+            frame.acknowledged = decoded_ + line_.way;
             acks_.push_back(frame);
             arrived_.push_back(frame);
             queue_.pop_front();

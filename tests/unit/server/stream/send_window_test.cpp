@@ -115,39 +115,6 @@ TEST(SendWindowTraces, JitterOnALongLine) {
     EXPECT_LE(sum.mostWait, 0.15);
 }
 
-// As on the real server that ran beside builds: three acknowledgements read at once made the line forty times as fast as it was, and
-// frames of better quality than it carries were then its queue.
-TEST(SendWindowTraces, AcknowledgementsThatComeTogetherDoNotMakeALineFast) {
-    ShapedLine line{steady(2 * mbits), 0.1};
-    line.handedOver = [](double t) {
-        const double part = std::fmod(t, 1.5);
-        return part < 0.1 ? t - part + 0.1 : t;  // for a tenth of a second nothing is read, then all
-    };
-    const LineSummary sum = seen("the same, read together now and then", line, 3, 60);
-    EXPECT_GE(sum.framesPerSecond, 18);
-    EXPECT_LE(sum.mostWait, 0.15);
-    EXPECT_LE(sum.wait, 0.06);
-}
-
-TEST(LinkEstimate, TakesAcknowledgementsThatComeTogetherForWhatTheyAre) {
-    LinkEstimate link;
-    const LinkEstimate::Time begin{std::chrono::hours(1)};
-    const auto at = [&](int ms) { return begin + std::chrono::milliseconds(ms); };
-    constexpr int apart = 40, way = 200;
-    constexpr double bytes = 10'000, carries = bytes / 0.040;
-    double most = 0;
-    std::uint64_t sent = 0, read = 0;
-    for (int ms = 0; ms < 20'000; ++ms) {
-        if (ms % apart == 0) link.sent(++sent, std::size_t(bytes), at(ms));
-        if (ms % 800 < 110) continue;  // nothing is read: three come at once after that
-        for (; int(read) * apart + way <= ms && read < sent; ++read)
-            link.acknowledged(read + 1, 0.033, at(ms));
-        if (ms > 3000 && link.bandwidth()) most = std::max(most, *link.bandwidth());
-    }
-    EXPECT_LE(most, 2.5 * carries) << "twice what is sent is looked for anyway";
-    EXPECT_GT(most, 0);
-}
-
 TEST(SendWindowTraces, AStallIsWaitedForNotFilled) {
     const auto bandwidth = [](double t) { return t > 10 && t < 14 ? 0 : 4 * mbits; };
     const ShapedLine line{bandwidth, 0.05};

@@ -193,12 +193,12 @@ tl::expected<SharedView, Problem> StreamSession::change(const messages::ViewChan
     auto scene = scenes_.changed(scene_, change);
     if (!scene) return passOn(std::move(scene));
     if (change.follow) {
-        notShown_.reset();
         if (change.follow->empty()) {
             if (options_.registration != nullptr) options_.registration->unfollow();
         } else if (auto followed = options_.registration->follow(*change.follow); !followed) {
             return followed;
         }
+        forgetLeader();
     }
     show(std::move(*scene), now);
     followLeader(now);  // it may have moved on meanwhile
@@ -297,7 +297,7 @@ void StreamSession::sayNotShown(Problem problem) {
 
 void StreamSession::leaderLeft() {
     options_.registration->unfollow();
-    notShown_.reset();
+    forgetLeader();
     if (options_.endsWithLeader)
         return close(CloseCode::GoingAway, "The session that this one followed has ended.");
     refuse(SceneResolver::followProblem(

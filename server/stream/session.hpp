@@ -168,6 +168,7 @@ class StreamSession {
     void noteShared(const std::shared_ptr<const SharedPicture>& newest, Time now);
     void noteMaking();
     void abandonOwn();
+    void forgetLeader();
     Clock::duration patienceWithLeader() const;
     Clock::duration patienceWithStill() const;
     void share(const Order& order, const EncodedPicture& picture);
@@ -224,7 +225,7 @@ class StreamSession {
     std::uint64_t lastOrder_ = 0;
     std::uint64_t lastFrame_ = 0, ackedFrame_ = 0;
     std::deque<Time> sentTimes_;  // of the last second, for fps
-    Time nextStats_;
+    Time nextStats_, lookedAt_;
     std::uint64_t overtaken_ = 0;
     int picks_ = 0;  // without an answer yet
 };

@@ -9,6 +9,8 @@ namespace {
 
 // Of what this client's line takes for a frame: what a picture has at least that the leader's line made small.
 constexpr double leastOfOwn = 0.4;
+// Of this client's own: what a leader's pace has at least, for its pictures to be enough.
+constexpr double leastOfPace = 0.4;
 // How long it goes without a picture of the leader's before it orders one: while those come, a few times their interval.
 constexpr std::chrono::milliseconds leastPatience{150}, mostPatience{1000};
 constexpr int intervalsOfPatience = 3;
@@ -18,8 +20,8 @@ constexpr std::chrono::milliseconds whileMade{5000};
 
 }  // namespace
 
-// Its own would be nearly the same: of that size, no worse than this client's limits, and as much as its line takes, but not much less because
-// the leader's takes less.
+// Its own would be nearly the same: of that size, no worse than this client's limits, nearly as often, and as much as its line takes, but not much
+// less because the leader's takes less.
 bool StreamSession::fits(const SharedPicture& shared) const {
     const View& wanted = scene_.view;
     if (shared.wanted.width != wanted.width || shared.wanted.height != wanted.height ||
@@ -27,7 +29,7 @@ bool StreamSession::fits(const SharedPicture& shared) const {
         return false;
     if (shared.still) return true;
     const MovingQuality& quality = shared.quality;
-    if (quality.resolution < limits_.minResolution ||
+    if (shared.fps < leastOfPace * limits_.fps || quality.resolution < limits_.minResolution ||
         quality.detail > std::max(limits_.maxDetail, world_.ownDetail(wanted)) ||
         quality.jpegQuality < std::min(limits_.minJpegQuality, wanted.quality.jpegQuality))
         return false;
@@ -77,7 +79,7 @@ void StreamSession::takeShared(Time now) {
     }
     const bool suits = fits(*newest), mayBeTaken = suits && newest->cloud == scene_.cloud;
     if (mayBeTaken) noteShared(newest, now);
-    awaits_ = suits && !leaderRests_;
+    awaits_ = suits && leaderHasThisSize_ && !leaderRests_;
     const bool mayBeSent = unacknowledged() < options_.window.value_or(window_.frames(now));
     if (!mayBeTaken || newest == shared_ || !mayBeSent) return;
     const bool isCurrent = newest->wanted == scene_.view;
@@ -111,10 +113,19 @@ void StreamSession::abandonOwn() {
     port_.abandon();
 }
 
+// Whom it follows, if anybody, is somebody else from now on.
+void StreamSession::forgetLeader() {
+    notShown_.reset();
+    seen_.reset();
+    leadersInterval_ = {};
+    leaderRests_ = false;
+}
+
 void StreamSession::share(const Order& order, const EncodedPicture& picture) {
     const bool isEverybodys = picture.codec == Codec::Jpeg && !order.taken;
     if (options_.registration == nullptr || !isEverybodys || !options_.registration->leads()) return;
-    SharedPicture shared{order.cloud, order.wanted, order.view, order.still, order.quality, picture};
+    SharedPicture shared{order.cloud,   order.wanted, order.view, order.still,
+                         order.quality, limits_.fps,  picture};
     options_.registration->share(std::make_shared<const SharedPicture>(std::move(shared)));
 }
 

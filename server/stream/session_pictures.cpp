@@ -18,6 +18,8 @@ std::uint32_t microseconds(double milliseconds) {
 constexpr std::size_t mostInMaking = 2;
 // How far prefetching looks ahead: about what a disk needs for a screenful.
 constexpr double aheadSeconds = 0.3;
+// How long a session goes without a look at whether the one that it follows still makes a picture.
+constexpr std::chrono::milliseconds lookAgain{1000};
 
 double secondsBetween(StreamSession::Time from, StreamSession::Time to) {
     return std::chrono::duration<double>(to - from).count();
@@ -94,6 +96,7 @@ void StreamSession::pump(Time now) {
 }
 
 void StreamSession::orderDue(Time now) {
+    lookedAt_ = now;
     quiet_ = hasQuiet(now);
     room_ = hasRoom(now);
     takeShared(now);
@@ -145,7 +148,7 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> r
         const bool cancelled = result.error().code == ErrorCode::Cancelled;
         const bool isAway = result.error().code == ErrorCode::Unavailable;
         if (isAway && !order.still) {
-            fresh_ = true;  // dropped; the view is still to be shown
+            fresh_ = fresh_ || !stillComing();  // dropped; the view is still to be shown
             freshSince_ = now;
         } else if (isAway)
             stills_.away(now);
@@ -193,6 +196,7 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     if (options_.registration != nullptr) options_.registration->frameSent();
     remember();  // first: who gets the frame may come back at once, by another connection
     port_.sendFrame(header, picture.bytes, withDepth_ ? picture.depth : nullptr);
+    noteMaking();  // first: followers that find one being made would wait for it
     share(order, picture);
 
     metrics_.frameSent(secondsBetween(order.viewTime, now), header.away);
@@ -227,14 +231,16 @@ void StreamSession::sendStats(const Order& order, const EncodedPicture& picture,
     port_.sendText(printMessage(stats));
 }
 
-/// When the next picture is ordered: of a view that waits a moving frame, else a still. Later, where the leader's is awaited.
+/// When the next picture is ordered: of a view that waits a moving frame, else a still. Later, where the leader's is awaited; but nobody
+/// says that one which was being made came to nothing, so that is looked at now and then.
 std::optional<StreamSession::Time> StreamSession::due() const {
+    const Time again = lookedAt_ + lookAgain;
     if (fresh_) {
         const Time paced = pace_.due(limits_.fps);
-        return awaits_ ? std::max(paced, freshSince_ + patienceWithLeader()) : paced;
+        return awaits_ ? std::max(paced, std::min(freshSince_ + patienceWithLeader(), again)) : paced;
     }
     auto still = stills_.dueAt(!outstanding_.empty());
-    if (still && awaits_) still = std::max(*still, viewTime_ + patienceWithStill());
+    if (still && awaits_) still = std::max(*still, std::min(viewTime_ + patienceWithStill(), again));
     return still;
 }
 

@@ -47,6 +47,7 @@ struct SharedPicture {
     View wanted, drawn;                  ///< a moving frame is drawn as its quality says
     std::optional<StillSchedule::Still> still{};
     MovingQuality quality{};  ///< of a moving frame
+    double fps = 0;           ///< that the session's client wants at most
     EncodedPicture picture;
 };
 

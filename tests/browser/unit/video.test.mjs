@@ -122,7 +122,11 @@ describe('video', () => {
     const were = Object.fromEntries(Object.keys(some).map((name) => [name, globalThis[name]]));
     Object.assign(globalThis, some);
     test.after(() => { Object.assign(globalThis, were); });
-    const next = async (count) => { while (sockets.length < count) await settled(); return sockets.at(-1); };
+    const next = async (count) => {
+        for (let rounds = 0; sockets.length < count && rounds < 1000; ++rounds) await settled();
+        assert.equal(sockets.length, count, 'connections that were opened');
+        return sockets.at(-1);
+    };
 
     const moving = new MovingFrames(() => session.renew());
     await moving.ready;

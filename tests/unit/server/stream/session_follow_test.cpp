@@ -277,6 +277,19 @@ TEST(Followers, ALeaderThatIsSlowCostsItsFollowersNothing) {
     EXPECT_TRUE(follower->frames.back().final);
 }
 
+// A leader whose client wants few frames does not make few of them for those who want many.
+TEST(Followers, WhoseLeaderIsShownSeldomHasPicturesOfItsOwn) {
+    Audience audience;
+    const auto leader = audience.enter({{"fps", 5}}, audience.world);
+    audience.run(300);
+    const auto follower = audience.follow(*leader);
+    audience.run(3000, leader.get());
+    EXPECT_LE(leader->count(true), 30U);
+    EXPECT_GE(follower->count(true), 60U);
+    audience.run(1500);
+    EXPECT_TRUE(follower->frames.back().final);
+}
+
 TEST(Followers, AnotherSizeIsAnotherPicture) {
     Audience audience;
     const auto leader = audience.enter({{"width", 640}, {"height", 360}}, audience.world);

@@ -5,10 +5,13 @@
 #include <set>
 
 #include "tests/support/needs_video.hpp"
+#include "tests/support/sized.hpp"
 #include "tests/unit/server/stream/session_fixture.hpp"
 
 namespace scancast::test {
 namespace {
+
+constexpr int many = sized(200, 20);
 
 class Audience {
   public:
@@ -158,7 +161,7 @@ TEST(Followers, TwoHundredCostNoMoreThanOne) {
     Audience audience;
     const auto leader = audience.enter(json::object(), audience.world);
     audience.run(300);
-    for (int i = 0; i < 200; ++i) audience.follow(*leader);
+    for (int i = 0; i < many; ++i) audience.follow(*leader);
     audience.run(4000);  // each draws its first picture by itself
     const std::size_t before = audience.orders(), frames = leader->frames.size();
     std::vector<std::size_t> had;
@@ -185,7 +188,7 @@ TEST(Followers, OfABusyServerTheyCostNoMoreThanOne) {
     Audience audience;
     const auto leader = audience.enter(json::object(), audience.world);
     audience.run(300);
-    for (int i = 0; i < 200; ++i) audience.follow(*leader);
+    for (int i = 0; i < many; ++i) audience.follow(*leader);
     audience.run(4000);
     audience.run(1000, leader.get());
     audience.drawMs = 400;  // all at once, while none of them knows that pictures take so long
@@ -207,7 +210,7 @@ TEST(Followers, WhoHaveAllOrderedForThemselvesFindBackToTheLeader) {
     audience.drawMs = 25;
     const auto leader = audience.enter(json::object(), audience.world);
     audience.run(300, leader.get());
-    for (int i = 0; i < 200; ++i) audience.follow(*leader);
+    for (int i = 0; i < many; ++i) audience.follow(*leader);
     audience.run(12'000, leader.get());
     const std::size_t before = audience.orders(), frames = leader->frames.size();
     audience.run(5000, leader.get());

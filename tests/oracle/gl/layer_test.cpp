@@ -116,7 +116,8 @@ struct GlLimitsOfTest {
     std::size_t storageBlockBytes = std::size_t{128} << 20;
     gl::SampleCacheOptions samples{std::uint64_t{64} << 20, 0};
     std::optional<std::size_t> texels;
-    bool software = true;  ///< work is cut as for a rasteriser on the CPU, or as for a GPU
+    bool exactDoubles = true;  ///< the GPU composes runs; else the host does
+    bool software = true;      ///< work is cut as for a rasteriser on the CPU, or as for a GPU
 };
 
 gl::SplatLimits splatLimits(const gl::GlFunctions& functions, const GlLimitsOfTest& of) {
@@ -139,7 +140,7 @@ struct GlDrawing {
           samples(functions, limits.samples),
           slices(functions),
           memory(functions, splatLimits(functions, limits)),
-          parts{functions, *backend.programs, screen, samples, slices, memory, tables},
+          parts{functions, *backend.programs, screen, samples, slices, memory, tables, limits.exactDoubles},
           planes{ivec4(c.area.x - border, c.area.y - border, c.area.z + 2 * border, c.area.w + 2 * border),
                  &rgba, &depth, &normals} {}
 

@@ -187,6 +187,12 @@ CutSamples::~CutSamples() {
     for (const SampleCache::Part& part : parts_) cache_.table_.erase(part.key);
 }
 
+void CutSamples::again() {
+    if (uses_ == cache_.table_.uses()) return;
+    cache_.touch(parts_);
+    uses_ = cache_.table_.uses();
+}
+
 Expected<SampleBatch> CutSamples::gather(const std::stop_token& stop) {
     const bool asItWas = gathered_ > 0 && evicted_ == cache_.table_.evicted();
     if (!asItWas && !parts_.empty()) {
@@ -197,6 +203,7 @@ Expected<SampleBatch> CutSamples::gather(const std::stop_token& stop) {
         gathered_ = *end;
         whole_ = gathered_ == parts_.size();
         evicted_ = cache_.table_.evicted();
+        uses_ = cache_.table_.uses();
     }
     return SampleBatch{batchPages_, version_};
 }
@@ -219,7 +226,7 @@ Expected<void> CutSamples::forEachBatch(const Draw& draw, const std::stop_token&
 
 Expected<std::size_t> CutSamples::loadBatch(std::size_t from, const std::stop_token& stop) {
     cache_.table_.beginBatch();
-    ++version_;
+    version_ = newSource();
     for (auto& extents : extents_) extents.clear();
     std::size_t at = from;
     for (; at < parts_.size(); ++at) {

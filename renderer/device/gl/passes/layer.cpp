@@ -43,7 +43,8 @@ Layer::~Layer() {
 }
 
 void Layer::findSamples(const Cut& cut, std::vector<DrawnRun> drawn) {
-    const glm::dvec3 direction = layerView_.viewpoint->direction();
+    const glm::dmat4& m = layerView_.viewpoint->cloudToView;
+    const glm::dvec3 direction(-m[0][2], -m[1][2], -m[2][2]);
     KeptSamples kept = std::exchange(parts_.tables.kept, {});
     const bool same = kept.samples && kept.source == cut.source && kept.runs == drawn;
     if (same && glm::dot(kept.direction, direction) > sameOrderCosine) {

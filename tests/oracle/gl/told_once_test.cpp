@@ -57,7 +57,11 @@ class ToldOnce : public OnDevice {
 
     Device* cpu_ = nullptr;
     std::unique_ptr<Device> small_;
-    const std::shared_ptr<BlockCache> cache_ = BlockCache::create({.memoryLimit = 64 << 20});
+    const std::shared_ptr<BlockCache> cache_ = [] {
+        BlockCacheOptions options;
+        options.memoryLimit = 64 << 20;
+        return BlockCache::create(options);
+    }();
     const std::shared_ptr<const Cloud> town_ = cloud("town", 30'000), statue_ = cloud("statue", 25'000);
 };
 INSTANTIATE_TEST_SUITE_P(Gl, ToldOnce, testing::Values("egl"), deviceName);

@@ -491,7 +491,7 @@ TEST_P(GlLayerDrawing, WhatStaysIsToldOnce) {
     viewpoint = lookAt({4, 0, 1}, {0, 0, 0}, viewpoint.width, viewpoint.height, 50);
     const GLsizeiptr reordered = told();
     EXPECT_GT(reordered, 0) << "from the side: another order";
-    s.drawing.color.low = 0.25;
+    c.drawing.color.low = 0.25;
     EXPECT_GT(told(), 0) << "another range";
     EXPECT_EQ(told(), 0);
 }

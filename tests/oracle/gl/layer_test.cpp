@@ -117,12 +117,16 @@ struct GlLimitsOfTest {
     gl::SampleCacheOptions samples{std::uint64_t{64} << 20, 0};
     std::optional<std::size_t> texels;
     bool software = true;  ///< work is cut as for a rasteriser on the CPU, or as for a GPU
+    std::optional<std::uint32_t> tileBytes;
+    bool countAdds = false;
 };
 
 gl::SplatLimits splatLimits(const gl::GlFunctions& functions, const GlLimitsOfTest& of) {
     gl::SplatLimits limits = gl::splatLimits(functions, of.software);
     limits.storageBlockBytes = of.storageBlockBytes;
     if (of.texels) limits.texels = *of.texels;
+    if (of.tileBytes) limits.tileBytes = *of.tileBytes;
+    limits.countAdds = of.countAdds;
     return limits;
 }
 
@@ -481,6 +485,69 @@ TEST_P(GlLayerDrawing, GroupsOfAGpu) {
     limits.software = false;
     check(
         {sprites, {"sphere", {{"sizePx", 23.0}}, ""}, blended, cells}, [](OwnDrawing&) {}, nullptr, limits);
+}
+
+/// What a work group's threads did with their fragments (shaders/splat/sums.glsl).
+struct Adds {
+    std::uint32_t direct = 0, inTiles = 0, pixelsOfTiles = 0;
+
+    std::uint32_t fragments() const { return direct + inTiles; }
+    /// Pixels whose sums were added to, in memory that all groups share.
+    std::uint32_t toMemory() const { return direct + pixelsOfTiles; }
+};
+
+/// Draws on OpenGL, expects the cpu device's bytes, and tells how sums were added up.
+void drawCounted(GlLayers::Backend& backend, const LayerCase& c, const Pixels& cpu,
+                 const GlLimitsOfTest& limits, Adds& adds) {
+    constexpr unsigned counts = 7;  // as sums.glsl numbers it
+    const auto current = gl::Context::Current::enter(*backend.context);
+    ASSERT_TRUE(current) << current.error().message;
+    GlDrawing gl(backend, c, limits);
+    gl::Buffer counted(gl.functions, "counts");
+    ASSERT_TRUE(counted.write(std::as_bytes(std::span(&adds, 1))));
+    counted.bindStorage(counts);
+    gl.draw();
+    ASSERT_TRUE(gl.drawn) << gl.drawn.error().message;
+    EXPECT_EQ(differing(cpu.depth, gl.read(gl.depth)), 0u) << "depths";
+    EXPECT_EQ(differing(cpu.rgba, gl.read(gl.rgba)), 0u) << "colours";
+    EXPECT_EQ(differing(cpu.normals, gl.read(gl.normals)), 0u) << "normals";
+    counted.read(std::as_writable_bytes(std::span(&adds, 1)));
+}
+
+/// Sums in shared memory first: without it, with as much as drivers have, and with so little that many fragments lie outside
+/// of every tile. Each fragment is added once, by either way, and by whichever it is the picture stays the same.
+TEST_P(GlLayerDrawing, SumsInTilesAndBesideThem) {
+    REQUIRE_BACKEND(backend, GetParam());
+    for (const bool software : {true, false}) {
+        for (const MethodCase& method :
+             {blended, MethodCase{"hqs", {{"sizePx", 21.0}}, ""}, MethodCase{"ewa", {}, ""}, cells}) {
+            SCOPED_TRACE(std::string(method.method) + (software ? "" : ", groups of a GPU"));
+            SurfelScene s(from_, sharedScene().cut(), passesOf(method, Shading::Phong));
+            const LayerCase c = layerCase(s.drawing);
+            const Pixels cpu = drawOnCpu(c);
+            GlLimitsOfTest limits;
+            limits.software = software;
+            limits.countAdds = true;
+            Adds without, small, usual;
+            limits.tileBytes = 0;
+            drawCounted(backend, c, cpu, limits, without);
+            limits.tileBytes = 4096;
+            drawCounted(backend, c, cpu, limits, small);
+            limits.tileBytes = 32768;
+            drawCounted(backend, c, cpu, limits, usual);
+            EXPECT_GT(without.direct, 50'000u);
+            EXPECT_EQ(without.inTiles, 0u);
+            for (const Adds& adds : {small, usual}) {
+                EXPECT_EQ(adds.fragments(), without.direct);
+                EXPECT_GT(adds.inTiles, adds.fragments() / 20);
+                EXPECT_GT(adds.direct, 0u);
+                EXPECT_LT(adds.pixelsOfTiles, adds.inTiles);
+            }
+            std::printf("    %s, %s: %u fragments; small tiles %u + %u; 32 KiB %u + %u\n", method.method,
+                        software ? "software" : "GPU", without.direct, small.direct, small.pixelsOfTiles,
+                        usual.direct, usual.pixelsOfTiles);
+        }
+    }
 }
 
 /// 500 points in one run, each as large as the picture: Mesa's rasteriser ends a thread's loops after 65,535

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace scancast::gl {
 
@@ -22,6 +23,7 @@ struct SplatLimits {
 };
 
 /// `software`: a rasteriser on the CPU, which draws a work group's threads one vector after the other.
-SplatLimits splatLimits(const GlFunctions& gl, bool software);
+/// `sumTiles`: whether sums are added up in shared memory first; nullopt = as is quicker on such a driver.
+SplatLimits splatLimits(const GlFunctions& gl, bool software, std::optional<bool> sumTiles = {});
 
 }  // namespace scancast::gl

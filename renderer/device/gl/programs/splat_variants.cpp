@@ -38,6 +38,10 @@ int groupSize(const SplatPass& pass, const LayerTraits& traits) {
     return sharesFootprints(pass) ? std::max(sharingGroup, traits.limits.groupSize) : traits.limits.groupSize;
 }
 
+std::uint32_t clampedSamples(double samples) {
+    return static_cast<std::uint32_t>(std::clamp<double>(samples, 1, samplesPerChunk));
+}
+
 static_assert(SHAPE_FLAT_SQUARE == int(SplatShape::FlatSquare));
 static_assert(SHAPE_FLAT_CIRCLE == int(SplatShape::FlatCircle));
 static_assert(SHAPE_PARABOLOID_SQUARE == int(SplatShape::ParaboloidSquare));
@@ -104,8 +108,14 @@ std::uint32_t chunkSamples(const SplatPass& pass, const LayerTraits& traits, std
     const double alone = place + 2 * (shared ? std::min<double>(largest, MANY_PIXELS) : largest);
     // ... or all threads place it, and draw it together.
     const double together = shared ? place + 1 + largest / threads : 0;
-    const double samples = loopTurns / (alone / threads + together);
-    return static_cast<std::uint32_t>(std::clamp<double>(samples, 1, samplesPerChunk));
+    const double ofSamples = alone / threads + together;
+    const double tile = tilePixels(pass, traits);
+    if (tile == 0) return clampedSamples(loopTurns / ofSamples);
+    // Sums look twice more where samples lie, and empty and add up a tile, plane by plane, and go through what is marked, for the
+    // whole chunk, or part by part.
+    constexpr double planes = 7, marks = 2 * CHUNK_SAMPLES / 32, leastOfPart = 32;
+    const double ofTile = 2 * planes * (1 + tile / threads) + marks;
+    return clampedSamples((loopTurns - ofTile) / (ofSamples + 2 * place / threads + ofTile / leastOfPart));
 }
 
 ShaderVariant resolveKeysVariant(const FramePasses& passes, bool keys64, bool normals) {

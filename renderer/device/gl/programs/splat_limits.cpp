@@ -1,5 +1,7 @@
 #include "renderer/device/gl/programs/splat_limits.hpp"
 
+#include <algorithm>
+
 #include "renderer/device/gl/context/gl_context.hpp"
 #include "renderer/device/gl/programs/gl_handles.hpp"
 
@@ -15,6 +17,14 @@ constexpr bool softwareLooksFirst = false;
 /// (LP_MAX_TGSI_LOOP_ITERATIONS). The rest is for the loops that chunkSamples() does not count.
 constexpr std::uint32_t softwareLoopTurns = 60'000;
 
+/// Memory that a work group's threads share, of which OpenGL promises 32 KiB.
+std::uint32_t sharedBytes(const GlFunctions& gl) {
+    constexpr GLint promised = 32 << 10;
+    GLint bytes = 0;
+    gl.GetIntegerv(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, &bytes);
+    return static_cast<std::uint32_t>(std::max(bytes, promised));
+}
+
 }  // namespace
 
 SplatLimits splatLimits(const GlFunctions& gl, bool software) {
@@ -23,6 +33,7 @@ SplatLimits splatLimits(const GlFunctions& gl, bool software) {
     gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
     if (block > 0) limits.storageBlockBytes = static_cast<std::size_t>(block);
     limits.texels = mostTexels(gl);
+    limits.tileBytes = sharedBytes(gl);
     limits.keys64 =
         hasExtension(gl, "GL_NV_shader_atomic_int64") && hasExtension(gl, "GL_ARB_gpu_shader_int64");
     if (software) {

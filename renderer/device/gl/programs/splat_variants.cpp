@@ -26,6 +26,14 @@ bool isSinglePixel(const SplatPass& pass) {
 bool sharesFootprints(const SplatPass& pass) {
     return !isSinglePixel(pass) && (ofSurfels(pass) || pass.maxPx >= smallestShared);
 }
+/// Of a work group's tile: what fits, beside all else that its threads share, and is not so much that few groups do.
+int tilePixels(const SplatPass& pass, const LayerTraits& traits) {
+    constexpr std::uint32_t elsewhere = 256, mostPixels = 41 * 41, leastPixels = 64;
+    const std::uint32_t bytes = traits.limits.tileBytes;
+    if (pass.reduction != Reduction::Sum || bytes <= elsewhere) return 0;
+    const std::uint32_t pixels = std::min((bytes - elsewhere) / (pass.sumNormals ? 28 : 16), mostPixels);
+    return pixels < leastPixels ? 0 : static_cast<int>(pixels);
+}
 int groupSize(const SplatPass& pass, const LayerTraits& traits) {
     return sharesFootprints(pass) ? std::max(sharingGroup, traits.limits.groupSize) : traits.limits.groupSize;
 }
@@ -75,6 +83,8 @@ ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Kee
              {"BY_INTENSITY", colored && pass.byIntensity},
              {"PAYLOAD", bare ? PAYLOAD_NONE : static_cast<int>(pass.payload)},
              {"SUM_NORMALS", pass.sumNormals},
+             {"SUM_TILE", tilePixels(pass, traits)},
+             {"COUNT_ADDS", sums && traits.limits.countAdds},
              {"CURVED", pass.curved && sums && pass.sumNormals && pass.shape == SplatShape::Ellipse},
              {"SILHOUETTE", tested},
              {"FILTERS", traits.filters}}};

@@ -10,7 +10,7 @@ namespace scancast::gl {
 namespace {
 
 constexpr int runsPerGroup = 64;
-constexpr std::size_t probes = 2048;
+constexpr std::size_t probedRuns = 2048;
 
 /// Numbers in [0, 1) with all their bits. Ever the same.
 class Numbers {
@@ -27,9 +27,9 @@ class Numbers {
 
 /// Steps of a tenth of a micrometre up to metres; places up to millions of steps away, and some that are too large.
 std::vector<RunFacts> factsToProbe() {
-    std::vector<RunFacts> all(probes);
+    std::vector<RunFacts> all(probedRuns);
     Numbers numbers;
-    for (std::size_t i = 0; i < probes; ++i) {
+    for (std::size_t i = 0; i < probedRuns; ++i) {
         const double far = std::exp2(numbers.around(20)), fine = std::exp2(-23 * numbers.next());
         const double beyond = i % 64 == 63 ? 1e26 : 1;
         RunFacts& facts = all[i];
@@ -48,7 +48,7 @@ ComposeParams paramsToProbe() {
     const double pixelsPerUnit = 1000 * (1 + numbers.next());
     params.scale = {pixelsPerUnit, -pixelsPerUnit, -1, largestCoefficient};
     params.sizes = {1, numbers.next(), 0, numbers.next()};
-    params.count.x = probes;
+    params.count.x = probedRuns;
     return params;
 }
 

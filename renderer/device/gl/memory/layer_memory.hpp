@@ -18,6 +18,22 @@
 
 namespace scancast::gl {
 
+class ScreenShaders;
+
+/// Bytes of a buffer for as many, with room for more, so that it grows seldom.
+inline std::size_t roomFor(std::size_t bytes) {
+    constexpr std::size_t smallest = 4096;
+    return std::bit_ceil(std::max(bytes, smallest));
+}
+
+/// From its beginning. ResourceLimit, DeviceLost.
+template <class T>
+Expected<void> fillBuffer(Buffer& buffer, const std::vector<T>& values, StagingRing& ring) {
+    const auto bytes = std::as_bytes(std::span(values));
+    if (auto ok = buffer.reserve(roomFor(bytes.size())); !ok) return ok;
+    return ring.copy(bytes, buffer, 0);
+}
+
 /// What the host makes for every picture, and the GPU is told where it is another than before. T: plain, without holes.
 template <class T>
 class ToldTable {
@@ -37,14 +53,6 @@ class ToldTable {
     /// The same number as before: nothing was told since. Never 0.
     std::uint64_t version() const { return version_; }
     const Buffer& buffer() const { return buffer_; }
-
-    /// From its beginning, with room for more, so that it grows seldom.
-    static Expected<void> fillBuffer(Buffer& buffer, const std::vector<T>& values, StagingRing& ring) {
-        constexpr std::size_t smallest = 4096;
-        const auto bytes = std::as_bytes(std::span(values));
-        if (auto ok = buffer.reserve(std::bit_ceil(std::max(bytes.size(), smallest))); !ok) return ok;
-        return ring.copy(bytes, buffer, 0);
-    }
 
   private:
     bool same(const std::vector<T>& values) const {
@@ -89,6 +97,11 @@ struct BatchTables {
         bool extents = false;
         bool operator==(const MadeOf&) const = default;
     };
+    struct Needs {
+        std::span<const std::uint32_t> runOfCut;  ///< from the cut's runs to the tables'
+        std::uint32_t chunkSamples = 0;           ///< of a chunk at most
+        bool extents = false;                     ///< ordinals are looked up
+    };
     std::vector<PageWork> pages;
     MadeOf madeOf;
 };
@@ -104,11 +117,10 @@ struct LayerMemory {
           chunks(gl, "chunks", Buffer::Use::Copies),
           extents(gl, "extents", Buffer::Use::Copies) {}
 
-    /// ResourceLimit, DeviceLost.
-    template <class T>
-    Expected<void> fill(Buffer& table, const std::vector<T>& values) {
-        return ToldTable<T>::fillBuffer(table, values, ring);
-    }
+    /// The pages and extents that are drawn next, unless it was that already. ResourceLimit, DeviceLost.
+    Expected<void> tell(const SampleBatch& told, const BatchTables::Needs& needs);
+    /// `facts` as they are seen from somewhere → `runs` (composed_runs.hpp). ResourceLimit, DeviceLost.
+    Expected<void> compose(ScreenShaders& shaders, const ComposeParams& params, bool onGpu);
 
     StagingRing& ring;
     ToldTable<RunFacts> facts;
@@ -120,6 +132,7 @@ struct LayerMemory {
     SplatTables host;
     std::vector<SplatChunk> chunkList;
     std::vector<SplatExtent> extentList;
+    std::vector<RunParams> runList;  ///< where the host composes
 };
 
 }  // namespace scancast::gl

@@ -25,8 +25,9 @@ namespace scancast::gl {
 struct SampleCacheOptions {
     std::uint64_t memoryLimit = 0;  ///< bytes of samples and what stands beside them at most
     /// Bytes of the first page; each next one is twice as large, up to what the driver reads as texels, or
-    /// 128 MiB.
+    /// the largest.
     std::uint64_t firstPage = 0;
+    std::uint64_t largestPage = std::uint64_t(128) << 20;
 };
 
 class SampleCache {

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numeric>
 #include <utility>
 
 #include "renderer/device/gl/memory/composed_runs.hpp"
+#include "renderer/device/gl/passes/front_to_back.hpp"
 #include "renderer/device/host/splats.hpp"
 
 namespace scancast::gl {
@@ -25,37 +23,6 @@ std::size_t pixelsOf(ivec4 area) {
 
 /// What is roughly in order, seen from one direction, is so from others that are no further away than this.
 constexpr double sameOrderCosine = 0.985;  // 10 degrees
-
-/// Depth of the nearest that a node may hold, within what may be drawn.
-float frontOf(const Node& node, const Viewpoint& viewpoint) {
-    const glm::dmat4& m = viewpoint.cloudToView;
-    const double depth =
-        -(m[0][2] * node.center.x + m[1][2] * node.center.y + m[2][2] * node.center.z + m[3][2]);
-    return static_cast<float>(
-        std::clamp(depth - node.radius, 0.0, std::min(viewpoint.far, double(farthestDepth))));
-}
-
-/// Roughly front to back, by one count: what is hidden then seldom needs an atomic operation, and nothing
-/// else depends on it.
-std::vector<std::uint32_t> frontToBack(const Cut& cut, std::span<const DrawnRun> runs,
-                                       const Viewpoint& viewpoint) {
-    constexpr std::size_t steps = 1024;
-    if (runs.empty()) return {};
-    std::vector<float> depths;
-    depths.reserve(runs.size());
-    for (const DrawnRun& drawn : runs) depths.push_back(frontOf(*cut.runs[drawn.run].node, viewpoint));
-    const auto [first, last] = std::ranges::minmax(depths);
-    const double scale = last > first ? (steps - 1) / (double(last) - first) : 0;
-    const auto stepOf = [&, first = double(first)](float depth) {
-        return static_cast<std::size_t>((depth - first) * scale);
-    };
-    std::array<std::uint32_t, steps + 1> begins{};
-    for (const float depth : depths) ++begins[stepOf(depth) + 1];
-    std::partial_sum(begins.begin(), begins.end(), begins.begin());
-    std::vector<std::uint32_t> sorted(runs.size());
-    for (std::size_t i = 0; i < runs.size(); ++i) sorted[begins[stepOf(depths[i])]++] = runs[i].run;
-    return sorted;
-}
 
 }  // namespace
 
@@ -76,7 +43,8 @@ Layer::~Layer() {
 }
 
 void Layer::findSamples(const Cut& cut, std::vector<DrawnRun> drawn) {
-    const glm::dvec3 direction = layerView_.viewpoint->direction();
+    const glm::dmat4& m = layerView_.viewpoint->cloudToView;
+    const glm::dvec3 direction(-m[0][2], -m[1][2], -m[2][2]);
     KeptSamples kept = std::exchange(parts_.tables.kept, {});
     const bool same = kept.samples && kept.source == cut.source && kept.runs == drawn;
     if (same && glm::dot(kept.direction, direction) > sameOrderCosine) {
@@ -143,58 +111,16 @@ Expected<void> Layer::upload() {
     return tables.rows.tell(background_, tables.ring);
 }
 
+Expected<void> Layer::begin(const SampleBatch& batch) {
+    return parts_.tables.tell(batch, {runOfCut_, chunkSamples_, passes_.bySample()});
+}
+
 /// Once: a part of a pixel moves centres, not runs.
 Expected<void> Layer::compose() {
     if (std::exchange(composed_, true)) return {};
     LayerMemory& tables = parts_.tables;
-    const std::vector<RunFacts>& facts = tables.facts.values();
-    const ComposeParams params = composeParams(*layerView_.viewpoint, splats_, facts.size());
-    if (parts_.exactDoubles) {
-        constexpr std::size_t smallest = 4096;
-        const std::size_t bytes = facts.size() * sizeof(RunParams);
-        if (auto ok = tables.runs.reserve(std::bit_ceil(std::max(bytes, smallest))); !ok) return ok;
-        return composeOnGpu(parts_.screen, tables.facts.buffer(), params, tables.runs);
-    }
-    std::vector<RunParams> runs(facts.size());
-    std::ranges::transform(facts, runs.begin(), [&](const RunFacts& of) { return composed(of, params); });
-    return tables.fill(tables.runs, runs);
-}
-
-Expected<void> Layer::begin(const SampleBatch& batch) {
-    LayerMemory& tables = parts_.tables;
-    const std::vector<RunFacts>& facts = tables.facts.values();
-    const bool bySample = passes_.bySample();
-    const BatchTables::MadeOf of{batch.version, tables.facts.version(), chunkSamples_, bySample};
-    if (of == tables.batch.madeOf) return {};
-    tables.batch.madeOf = {};
-    std::vector<SplatChunk>& chunks = tables.chunkList;
-    std::vector<SplatExtent>& extents = tables.extentList;
-    chunks.clear();
-    extents.clear();
-    tables.batch.pages.clear();
-    for (const SampleBatch::Page& page : batch.pages) {
-        BatchTables::PageWork work;
-        work.firstChunk = static_cast<std::uint32_t>(chunks.size());
-        work.firstExtent = static_cast<std::uint32_t>(extents.size());
-        for (const Extent& e : page.extents) {
-            const std::uint32_t run = runOfCut_[e.run];
-            if (bySample)
-                extents.push_back(
-                    {uvec4(facts[run].color.z + e.first, e.count, run, e.at), uvec4(e.beside, 0, 0, 0)});
-            for (std::uint32_t i = 0; i < e.count; i += chunkSamples_)
-                chunks.push_back({uvec4(e.at + i, std::min(chunkSamples_, e.count - i), run, e.first + i),
-                                  uvec4(e.beside + i, 0, 0, 0)});
-        }
-        std::sort(extents.begin() + work.firstExtent, extents.end(),
-                  [](const SplatExtent& a, const SplatExtent& b) { return a.range.x < b.range.x; });
-        work.chunks = static_cast<std::uint32_t>(chunks.size()) - work.firstChunk;
-        work.extents = static_cast<std::uint32_t>(extents.size()) - work.firstExtent;
-        tables.batch.pages.push_back(work);
-    }
-    if (auto ok = tables.fill(tables.chunks, chunks); !ok) return ok;
-    if (auto ok = tables.fill(tables.extents, extents); !ok) return ok;
-    tables.batch.madeOf = of;
-    return {};
+    const ComposeParams params = composeParams(*layerView_.viewpoint, splats_, tables.facts.values().size());
+    return tables.compose(parts_.screen, params, parts_.exactDoubles);
 }
 
 const KeyPlane& Layer::colors() const {

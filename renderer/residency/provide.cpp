@@ -24,6 +24,25 @@ std::vector<std::uint32_t> nodesOf(const Cut& cut) {
     return nodes;
 }
 
+void fill(Cut& cut, CutRun& run, const SampleRun& samples) {
+    run.samples = samples.samples;
+    run.limits = samples.limits;
+    if (cut.beside) run.beside = samples.beside;
+    if (samples.keep) cut.keep.push_back(samples.keep);
+}
+
+/// Where everything is in memory and stays there nothing has to be asked for, nor remembered. False: something is not.
+bool fillWhole(SampleStore& store, Cut& cut) {
+    cut.keep.clear();
+    for (CutRun& run : cut.runs) {
+        const auto samples = store.find(run.nodeIndex);
+        if (!samples) return false;
+        fill(cut, run, *samples);
+    }
+    dealOrdinals(cut);
+    return true;
+}
+
 class Provision {
   public:
     Provision(const Octree& octree, Cut wanted, const ProvideOptions& options)
@@ -91,13 +110,7 @@ class Provision {
     void fill() {
         cut_.keep.clear();
         cut_.keep.reserve(cut_.runs.size());
-        for (CutRun& run : cut_.runs) {
-            const SampleRun& samples = runs_.run(run.nodeIndex);
-            run.samples = samples.samples;
-            run.limits = samples.limits;
-            if (cut_.beside) run.beside = samples.beside;
-            if (samples.keep) cut_.keep.push_back(samples.keep);
-        }
+        for (CutRun& run : cut_.runs) scancast::fill(cut_, run, runs_.run(run.nodeIndex));
         dealOrdinals(cut_);
     }
 
@@ -111,6 +124,7 @@ class Provision {
 
 Expected<Cut> provide(const Octree& octree, Cut wanted, const ProvideOptions& options, std::stop_token stop) {
     if (octree.nodes().empty()) return wanted;
+    if (octree.store().whole() && fillWhole(octree.store(), wanted)) return wanted;
     return Provision(octree, std::move(wanted), options).provide(stop);
 }
 

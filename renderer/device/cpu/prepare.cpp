@@ -144,7 +144,7 @@ PassSize sizeIn(const SplatPass& pass, const SplatRun& run, const Viewpoint& vie
         size.largestPx = static_cast<float>(std::min(2 * extent.px, 1e6));
         forward = extent.radius;
     } else {
-        const double factor = spriteFactor(run, pass, viewpoint);
+        const double factor = spriteFactor(run.plainRadius, pass.scale, viewpoint.pixelsPerUnit);
         size.sizeFactor = static_cast<float>(std::clamp(factor, 0.0, 1e30));
         const bool perspective = viewpoint.projection == Projection::Perspective;
         const double grown = 1.000001 * factor * run.largestRatio / (perspective ? front : 1.0);

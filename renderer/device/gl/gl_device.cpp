@@ -7,6 +7,7 @@
 
 #include "renderer/device/gl/context/egl_context.hpp"
 #include "renderer/device/gl/context/osmesa_context.hpp"
+#include "renderer/device/gl/memory/composed_runs.hpp"
 #include "renderer/device/gl/memory/gl_memory.hpp"
 #include "renderer/device/gl/memory/memory_limit.hpp"
 #include "renderer/device/gl/passes/picture.hpp"
@@ -67,7 +68,11 @@ class GlDevice final : public Device {
         const auto samples = sampleCacheOptions(gl, driver->software, options.gpuMemoryLimit);
         const Findings found{*driver, *arithmetic, samples,
                              memoryBeside(gl, driver->software, samples.memoryLimit)};
-        return std::unique_ptr<Device>(new GlDevice(std::move(context), found, options));
+        std::unique_ptr<GlDevice> device(new GlDevice(std::move(context), found, options));
+        const auto exactDoubles = composesExactly(device->pool_->shaders);
+        if (!exactDoubles) return passOn(exactDoubles);
+        device->pool_->exactDoubles = *exactDoubles;
+        return device;
     }
 
     ~GlDevice() override {

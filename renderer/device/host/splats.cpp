@@ -57,21 +57,6 @@ SplatPass splatPass(const Splat& splat, const LayerView& view, const ColorRule& 
 
 // ---- runs
 
-/// Rows of toPicture: across the picture, down it (rows grow downwards), into it. False: something is too
-/// large for a float.
-bool setToPicture(const Node& node, const Viewpoint& viewpoint, RunNumbers& run) {
-    const glm::dvec4 base = viewpoint.cloudToView * glm::dvec4(node.boxMin, 1);
-    const double scale[3] = {viewpoint.pixelsPerUnit, -viewpoint.pixelsPerUnit, -1};
-    for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 4; ++c) {
-            const double value = scale[r] * (c < 3 ? viewpoint.cloudToView[c][r] * node.step[c] : base[r]);
-            if (!(std::abs(value) < largestCoefficient)) return false;
-            run.toPicture[r][c] = static_cast<float>(value);
-        }
-    }
-    return true;
-}
-
 /// First and last integer i in [0, 65535] with low ≤ base + step · i ≤ high, as octree.hpp's position()
 /// computes it.
 bool clipAxis(double base, double step, double low, double high, std::int32_t& first, std::int32_t& last) {
@@ -217,11 +202,28 @@ std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& v
     return out;
 }
 
-std::optional<RunNumbers> runNumbers(const CutRun& cutRun, const LayerView& view, const ColorRule& color,
-                                     const SampleFilter& filter) {
+/// Rows: across the picture, down it (rows grow downwards), into it. As shaders/splat/compose_runs.comp does it, sum by
+/// sum.
+bool composeToPicture(const glm::dvec3& corner, const glm::dvec3& step, const glm::dmat4& cloudToView,
+                      double pixelsPerUnit, float (&rows)[3][4]) {
+    const glm::dmat4& m = cloudToView;
+    const double scale[3] = {pixelsPerUnit, -pixelsPerUnit, -1};
+    for (int r = 0; r < 3; ++r) {
+        const double base = (m[0][r] * corner.x + m[1][r] * corner.y) + (m[2][r] * corner.z + m[3][r]);
+        for (int c = 0; c < 4; ++c) {
+            const double value = scale[r] * (c < 3 ? m[c][r] * step[c] : base);
+            if (!(std::abs(value) < largestCoefficient)) return false;
+            rows[r][c] = static_cast<float>(value);
+        }
+    }
+    return true;
+}
+
+std::optional<RunNumbers> runFacts(const CutRun& cutRun, const LayerView& view, const ColorRule& color,
+                                   const SampleFilter& filter) {
     const Node& node = *cutRun.node;
     RunNumbers run;
-    if (!setToPicture(node, *view.viewpoint, run) || !setClip(node, filter, run)) return std::nullopt;
+    if (!setClip(node, filter, run)) return std::nullopt;
     setColor(cutRun, color, run);
     // Devices count radii from the run's plain one, which holds for samples that know none.
     run.plainRadius = node.spacing;
@@ -232,6 +234,17 @@ std::optional<RunNumbers> runNumbers(const CutRun& cutRun, const LayerView& view
     run.turnStep = turnStep;
     run.turnBase = 0u - cutRun.firstOrdinal * turnStep;
     run.lastTurn = lastTurn(cutRun.share);
+    return run;
+}
+
+std::optional<RunNumbers> runNumbers(const CutRun& cutRun, const LayerView& view, const ColorRule& color,
+                                     const SampleFilter& filter) {
+    auto run = runFacts(cutRun, view, color, filter);
+    const Node& node = *cutRun.node;
+    const Viewpoint& viewpoint = *view.viewpoint;
+    if (run && !composeToPicture(node.boxMin, node.step, viewpoint.cloudToView, viewpoint.pixelsPerUnit,
+                                 run->toPicture))
+        return std::nullopt;
     return run;
 }
 
@@ -257,10 +270,6 @@ std::optional<RunRegions> runRegions(const Node& node, const SampleFilter& filte
     out.kept = static_cast<std::int32_t>(out.regions.size()) - out.dropped;
     if (out.kept == 0) return std::nullopt;
     return out;
-}
-
-double spriteFactor(const RunNumbers& run, const SplatPass& pass, const Viewpoint& viewpoint) {
-    return 2.0 * run.plainRadius * pass.scale * viewpoint.pixelsPerUnit;
 }
 
 }  // namespace scancast

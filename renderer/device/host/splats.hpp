@@ -34,7 +34,16 @@ std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& v
 /// The pass in one jittered frame. Added in double, as everything that places samples is.
 SplatPass jittered(SplatPass pass, const LayerView& view, const glm::dvec2& jitter);
 
-/// nullopt: nothing of the run can be drawn.
+/// RunNumbers::toPicture of samples that count in steps from a corner. False: something is too large for a float.
+bool composeToPicture(const glm::dvec3& corner, const glm::dvec3& step, const glm::dmat4& cloudToView,
+                      double pixelsPerUnit, float (&rows)[3][4]);
+
+/// What stays as long as the cut does, wherever it is seen from: everything but toPicture. nullopt: nothing of the run
+/// can be drawn.
+std::optional<RunNumbers> runFacts(const CutRun& run, const LayerView& view, const ColorRule& color,
+                                   const SampleFilter& filter);
+
+/// All of it. nullopt: nothing of the run can be drawn.
 std::optional<RunNumbers> runNumbers(const CutRun& run, const LayerView& view, const ColorRule& color,
                                      const SampleFilter& filter);
 
@@ -50,6 +59,8 @@ struct RunRegions {
 std::optional<RunRegions> runRegions(const Node& node, const SampleFilter& filter);
 
 /// p = clamp(factor · ratio (/ d in perspective), minPx, maxPx) of the run's sprites.
-double spriteFactor(const RunNumbers& run, const SplatPass& pass, const Viewpoint& viewpoint);
+inline double spriteFactor(float plainRadius, float scale, double pixelsPerUnit) {
+    return 2.0 * plainRadius * scale * pixelsPerUnit;
+}
 
 }  // namespace scancast

@@ -116,7 +116,8 @@ struct GlLimitsOfTest {
     std::size_t storageBlockBytes = std::size_t{128} << 20;
     gl::SampleCacheOptions samples{std::uint64_t{64} << 20, 0};
     std::optional<std::size_t> texels;
-    bool software = true;  ///< work is cut as for a rasteriser on the CPU, or as for a GPU
+    bool exactDoubles = true;  ///< the GPU composes runs; else the host does
+    bool software = true;      ///< work is cut as for a rasteriser on the CPU, or as for a GPU
     std::optional<std::uint32_t> tileBytes;
     bool countAdds = false;
 };
@@ -143,7 +144,7 @@ struct GlDrawing {
           samples(functions, limits.samples),
           slices(functions),
           memory(functions, splatLimits(functions, limits)),
-          parts{functions, *backend.programs, screen, samples, slices, memory, tables},
+          parts{functions, *backend.programs, screen, samples, slices, memory, tables, limits.exactDoubles},
           planes{ivec4(c.area.x - border, c.area.y - border, c.area.z + 2 * border, c.area.w + 2 * border),
                  &rgba, &depth, &normals} {}
 
@@ -457,6 +458,46 @@ TEST_P(GlLayerDrawing, PicturesAfterTheFirstMakeNoBuffers) {
         EXPECT_EQ(gl.read(gl.rgba), rgba);
     }
     EXPECT_EQ(noting.noted.created, first);
+}
+
+/// Where doubles do not round as the processor's, runs are composed by the host: the same bytes.
+TEST_P(GlLayerDrawing, RunsComposedByTheHost) {
+    GlLimitsOfTest limits;
+    limits.exactDoubles = false;
+    check(
+        {sprites, blended, cells}, [](OwnDrawing&) {}, nullptr, limits);
+}
+
+/// Of the same runs, from elsewhere, the GPU learns where from, and nothing else. The oracle is the cpu device.
+TEST_P(GlLayerDrawing, WhatStaysIsToldOnce) {
+    REQUIRE_BACKEND(backend, GetParam());
+    const auto current = gl::Context::Current::enter(*backend.context);
+    ASSERT_TRUE(current);
+    Cut cut = sharedScene().cut();
+    cut.source = newSource();
+    SurfelScene s(from_, cut, passesOf(sprites, Shading::Unlit));
+    LayerCase c = layerCase(s.drawing);
+    gl::NotedGl noting(backend.context->functions());
+    GlDrawing gl(backend, c, {}, 0, &noting.functions);
+    const auto told = [&] {
+        const GLsizeiptr before = noting.noted.copied;
+        gl.draw();
+        EXPECT_TRUE(gl.drawn);
+        const Pixels cpu = drawOnCpu(c);
+        EXPECT_EQ(differing(cpu.depth, gl.read(gl.depth)), 0u) << "depths";
+        EXPECT_EQ(differing(cpu.rgba, gl.read(gl.rgba)), 0u) << "colours";
+        return noting.noted.copied - before;
+    };
+    Viewpoint& viewpoint = s.drawing.view().viewpoint;
+    EXPECT_GT(told(), 0);
+    viewpoint = lookAt({0.5, -4, 1}, {0, 0, 0}, viewpoint.width, viewpoint.height, 50);
+    EXPECT_EQ(told(), 0) << "moved by three degrees";
+    viewpoint = lookAt({4, 0, 1}, {0, 0, 0}, viewpoint.width, viewpoint.height, 50);
+    const GLsizeiptr reordered = told();
+    EXPECT_GT(reordered, 0) << "from the side: another order";
+    s.drawing.color.source = ColorSource::Elevation;
+    EXPECT_GT(told(), 0) << "other colours";
+    EXPECT_EQ(told(), 0);
 }
 
 /// A storage block that holds a third of the picture's sums: bands of rows.

@@ -182,6 +182,19 @@ TEST(PageTable, WhatIsScatteredIsUsed) {
     EXPECT_EQ(table.used(), table.capacity());
 }
 
+TEST(PageTable, TellsWhetherAnythingWasUsed) {
+    PageTable table({4 * grain});
+    table.insert({1, 0, 0}, grain);
+    table.insert({1, 1, 0}, grain);
+    const std::uint64_t before = table.uses();
+    EXPECT_TRUE(table.has({1, 0, 0}));
+    EXPECT_FALSE(table.touch({1, 2, 0}));
+    EXPECT_FALSE(table.need({1, 1, 0}).empty());
+    EXPECT_EQ(table.uses(), before) << "what was used last is so still";
+    EXPECT_TRUE(table.touch({1, 0, 0}));
+    EXPECT_NE(table.uses(), before);
+}
+
 TEST(PageTable, OctreesAndPartsOfNodesAreToldApart) {
     PageTable table({8 * grain});
     table.insert({1, 5, 0}, 10);
@@ -203,6 +216,8 @@ TEST(PageTable, PagesDoubleUpToTheLargestAndKeepTheLimit) {
     EXPECT_EQ(inMib(512, 32, 128), (std::vector<std::uint64_t>{32, 64, 128, 128, 128, 32}));
     EXPECT_EQ(inMib(300, 128, 128), (std::vector<std::uint64_t>{128, 128, 44}));
     EXPECT_EQ(inMib(20, 32, 128), (std::vector<std::uint64_t>{20}));
+    EXPECT_EQ(inMib(9000, 128, 2048),
+              (std::vector<std::uint64_t>{128, 256, 512, 1024, 2048, 2048, 2048, 936}));
     EXPECT_EQ(pageSizes(1, 1, 1), std::vector<std::uint32_t>{grain}) << "something must be drawn with";
     for (const std::uint64_t limit : {10'000'000ull, 123'456'789ull, 77'000'000'000ull}) {
         std::uint64_t all = 0;

@@ -20,8 +20,11 @@ std::uint64_t defaultLimit(const GlFunctions& gl, bool software) {
 }  // namespace
 
 SampleCacheOptions sampleCacheOptions(const GlFunctions& gl, bool software, std::uint64_t limit) {
-    return {.memoryLimit = limit > 0 ? limit : defaultLimit(gl, software),
-            .firstPage = software ? 32 * mib : 128 * mib};
+    return {
+        .memoryLimit = limit > 0 ? limit : defaultLimit(gl, software),
+        .firstPage = software ? 32 * mib : 128 * mib,
+        // A dispatch sees one page: of large clouds there are to be few. A rasteriser's memory is the server's own.
+        .largestPage = software ? 128 * mib : 2048 * mib};
 }
 
 std::uint64_t memoryBeside(const GlFunctions& gl, bool software, std::uint64_t samples) {

@@ -170,6 +170,7 @@ void PageTable::unlink(std::uint32_t number) {
 
 void PageTable::use(std::uint32_t number) {
     if (number == newest_) return;
+    ++uses_;
     unlink(number);
     link(number);
 }
@@ -185,6 +186,7 @@ std::uint32_t PageTable::newEntry(const SampleKey& key) {
     unused_.pop_back();
     entries_[number].key = key;
     entries_[number].batch = batch_;
+    ++uses_;
     link(number);
     return number;
 }

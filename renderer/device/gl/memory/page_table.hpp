@@ -102,6 +102,8 @@ class PageTable {
     /// 0: it is closed.
     std::uint32_t pageSamples(std::uint32_t page) const { return pageGrains_[page] * grain; }
     std::uint64_t evicted() const { return evicted_; }  ///< parts, since the beginning
+    /// The same number as before: nothing was used since, by anybody.
+    std::uint64_t uses() const { return uses_; }
 
     bool has(const SampleKey& key) const { return index_.find(key) != KeyIndex::none; }
     /// Of what is here, as many as were inserted; 0: it is not here.
@@ -146,7 +148,7 @@ class PageTable {
     std::vector<Entry> entries_;
     std::vector<std::uint32_t> unused_;  ///< of entries_
     std::uint32_t newest_ = KeyIndex::none, oldest_ = KeyIndex::none;
-    std::uint64_t batch_ = 0, evicted_ = 0;
+    std::uint64_t batch_ = 0, evicted_ = 0, uses_ = 0;
 };
 
 }  // namespace scancast::gl

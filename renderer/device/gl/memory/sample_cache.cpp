@@ -9,11 +9,13 @@ namespace scancast::gl {
 
 namespace {
 
-constexpr std::uint64_t largestPageBytes = std::uint64_t(128) << 20;
 constexpr std::uint64_t stagingBytes = std::uint64_t(32) << 20;
 
-std::uint64_t mostPageBytes(const GlFunctions& gl) {
-    return std::min(largestPageBytes, std::uint64_t{mostTexels(gl)} * sizeof(Sample));
+/// A word beside a sample is found by a number of 32 bits in its page, and its texel by one of 31.
+constexpr std::uint64_t addressableBytes = std::uint64_t(2) << 30;
+
+std::uint64_t mostPageBytes(const GlFunctions& gl, std::uint64_t largest) {
+    return std::min({largest, addressableBytes, std::uint64_t{mostTexels(gl)} * sizeof(Sample)});
 }
 
 constexpr std::uint32_t besidePerTexel = sizeof(Sample) / sizeof(BesideWord);
@@ -62,7 +64,7 @@ tl::unexpected<Error> cancelled() {
 
 SampleCache::SampleCache(const GlFunctions& gl, const SampleCacheOptions& options)
     : gl_(gl),
-      table_(pageSizes(options.memoryLimit, options.firstPage, mostPageBytes(gl))),
+      table_(pageSizes(options.memoryLimit, options.firstPage, mostPageBytes(gl, options.largestPage))),
       mostInPart_(mostInPart(table_.capacity())),
       pages_(table_.pages()),
       staging_(gl, std::clamp<std::uint64_t>(options.memoryLimit / 4, 64 << 10, stagingBytes)) {}
@@ -187,6 +189,12 @@ CutSamples::~CutSamples() {
     for (const SampleCache::Part& part : parts_) cache_.table_.erase(part.key);
 }
 
+void CutSamples::again() {
+    if (uses_ == cache_.table_.uses()) return;
+    cache_.touch(parts_);
+    uses_ = cache_.table_.uses();
+}
+
 Expected<SampleBatch> CutSamples::gather(const std::stop_token& stop) {
     const bool asItWas = gathered_ > 0 && evicted_ == cache_.table_.evicted();
     if (!asItWas && !parts_.empty()) {
@@ -197,6 +205,7 @@ Expected<SampleBatch> CutSamples::gather(const std::stop_token& stop) {
         gathered_ = *end;
         whole_ = gathered_ == parts_.size();
         evicted_ = cache_.table_.evicted();
+        uses_ = cache_.table_.uses();
     }
     return SampleBatch{batchPages_, version_};
 }
@@ -219,7 +228,7 @@ Expected<void> CutSamples::forEachBatch(const Draw& draw, const std::stop_token&
 
 Expected<std::size_t> CutSamples::loadBatch(std::size_t from, const std::stop_token& stop) {
     cache_.table_.beginBatch();
-    ++version_;
+    version_ = newSource();
     for (auto& extents : extents_) extents.clear();
     std::size_t at = from;
     for (; at < parts_.size(); ++at) {

@@ -25,8 +25,9 @@ namespace scancast::gl {
 struct SampleCacheOptions {
     std::uint64_t memoryLimit = 0;  ///< bytes of samples and what stands beside them at most
     /// Bytes of the first page; each next one is twice as large, up to what the driver reads as texels, or
-    /// 128 MiB.
+    /// the largest.
     std::uint64_t firstPage = 0;
+    std::uint64_t largestPage = std::uint64_t(128) << 20;
 };
 
 class SampleCache {
@@ -97,8 +98,8 @@ struct SampleBatch {
         std::span<const Extent> extents;  ///< in the order of the runs that were asked for
     };
     std::span<const Page> pages;
-    /// The same number as before, by the same CutSamples: the same pages and extents, so that what was made
-    /// of them is still true. Never 0.
+    /// The same number as before, by whomever: the same pages and extents, so that what was made of them is still true.
+    /// Never 0.
     std::uint64_t version = 0;
 };
 
@@ -111,6 +112,11 @@ class CutSamples {
     ~CutSamples();
     CutSamples(const CutSamples&) = delete;
     CutSamples& operator=(const CutSamples&) = delete;
+
+    /// All of them are here at once, in one batch.
+    bool whole() const { return whole_; }
+    /// They are wanted once more, by the next picture of the same runs: they count as used just now.
+    void again();
 
     /// The first batch, loaded; what forEachBatch() will begin with, and true until it is called, or anybody
     /// else's loads. Errors: forEachBatch()'s.
@@ -132,6 +138,7 @@ class CutSamples {
     std::size_t gathered_ = 0;   ///< parts in the batch that is loaded, from the first on
     bool whole_ = false;         ///< the batch holds everything, and
     std::uint64_t evicted_ = 0;  ///< nothing has gone since then
+    std::uint64_t uses_ = 0;     ///< nothing else was used since then
     std::uint64_t version_ = 0;
 };
 

@@ -70,24 +70,16 @@ void SplatTables::begin(const ColorTables& colors, std::size_t mostRuns) {
     words.insert(words.end(), colors.normals.begin(), colors.normals.end());
 }
 
-std::uint32_t SplatTables::add(const RunNumbers& run, const RunRegions& crossing,
-                               std::span<const SplatPass> passes, const Viewpoint& viewpoint) {
-    RunParams out{};
-    for (int r = 0; r < 3; ++r) {
-        const float* const row = run.toPicture[r];
-        out.toPicture[r] = {row[0], row[1], row[2], row[3]};
-    }
+std::uint32_t SplatTables::add(const Node& node, const RunNumbers& run, const RunRegions& crossing) {
+    RunFacts out{};
+    out.corner = {node.boxMin, node.step.x};
+    out.steps = {node.step.y, node.step.z, 0, 0};
     out.clipMin = {run.clipMin[0], run.clipMin[1], run.clipMin[2], static_cast<int>(words.size())};
     out.clipMax = {run.clipMax[0], run.clipMax[1], run.clipMax[2], crossing.dropped | crossing.kept << 16};
     for (const RunRegion& region : crossing.regions) {
         words.push_back(static_cast<std::uint32_t>(region.count));
         for (const auto& plane : region.planes)
             std::ranges::transform(plane, std::back_inserter(words), bits);
-    }
-    for (std::size_t i = 0; i < passes.size(); ++i) {
-        if (ofSurfels(passes[i])) continue;
-        const double factor = spriteFactor(run, passes[i], viewpoint);
-        out.sizeFactors[static_cast<int>(i)] = static_cast<float>(std::clamp(factor, 0.0, 1e30));
     }
     out.factors = {run.indexStep, run.indexBase, run.ratioUnit, run.plainRadius};
     out.color = {run.color, run.lastTurn, run.firstOrdinal,

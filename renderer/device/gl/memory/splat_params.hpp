@@ -18,17 +18,17 @@ SplatParams splatParams(const SplatPass& numbers, ivec4 area, std::size_t index,
 ResolveParams resolveParams(const SplatPass& numbers, ivec4 area, ivec4 planes, int backgroundRow);
 SmoothParams smoothParams(const SplatPass& numbers, ivec4 planes);
 
-/// What samples look up (shaders/splat_tables.glsl), and the runs that refer to it.
+/// What samples look up (shaders/splat_tables.glsl), and what is known of the runs that refer to it, wherever they are
+/// seen from.
 struct SplatTables {
     std::vector<std::uint32_t> words;
-    std::vector<RunParams> runs;
+    std::vector<RunFacts> runs;
     bool filters = false;  ///< some of the runs' samples are not drawn
 
     /// Forgets all runs; what memory there is stays, for as many as these.
     void begin(const ColorTables& colors, std::size_t mostRuns);
     /// The run's index in `runs`.
-    std::uint32_t add(const RunNumbers& run, const RunRegions& crossing, std::span<const SplatPass> passes,
-                      const Viewpoint& viewpoint);
+    std::uint32_t add(const Node& node, const RunNumbers& run, const RunRegions& crossing);
 };
 
 }  // namespace scancast::gl

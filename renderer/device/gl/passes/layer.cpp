@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
+#include <glm/geometric.hpp>
+#include <utility>
 
+#include "renderer/device/gl/memory/composed_runs.hpp"
+#include "renderer/device/gl/passes/front_to_back.hpp"
 #include "renderer/device/host/splats.hpp"
 
 namespace scancast::gl {
@@ -19,32 +21,8 @@ std::size_t pixelsOf(ivec4 area) {
     return static_cast<std::size_t>(area.z) * static_cast<std::size_t>(area.w);
 }
 
-/// Depth of the nearest that a node may hold, within what may be drawn.
-float frontOf(const Node& node, const Viewpoint& viewpoint) {
-    const glm::dmat4& m = viewpoint.cloudToView;
-    const double depth =
-        -(m[0][2] * node.center.x + m[1][2] * node.center.y + m[2][2] * node.center.z + m[3][2]);
-    return static_cast<float>(
-        std::clamp(depth - node.radius, 0.0, std::min(viewpoint.far, double(farthestDepth))));
-}
-
-/// Roughly front to back, by one count: what is hidden then seldom needs an atomic operation, and nothing
-/// else depends on it. `depths[i]` is the i-th run's.
-std::vector<std::uint32_t> frontToBack(std::span<const std::uint32_t> runs, std::span<const float> depths) {
-    constexpr std::size_t steps = 1024;
-    if (runs.empty()) return {};
-    const auto [first, last] = std::ranges::minmax(depths);
-    const double scale = last > first ? (steps - 1) / (double(last) - first) : 0;
-    const auto stepOf = [&, first = double(first)](float depth) {
-        return static_cast<std::size_t>((depth - first) * scale);
-    };
-    std::array<std::uint32_t, steps + 1> begins{};
-    for (const float depth : depths) ++begins[stepOf(depth) + 1];
-    std::partial_sum(begins.begin(), begins.end(), begins.begin());
-    std::vector<std::uint32_t> sorted(runs.size());
-    for (std::size_t i = 0; i < runs.size(); ++i) sorted[begins[stepOf(depths[i])]++] = runs[i];
-    return sorted;
-}
+/// What is roughly in order, seen from one direction, is so from others that are no further away than this.
+constexpr double sameOrderCosine = 0.985;  // 10 degrees
 
 }  // namespace
 
@@ -52,10 +30,31 @@ Expected<std::unique_ptr<Layer>> Layer::create(const LayerParts& parts, const Dr
                                                const CutView& view, const LayerView& layerView,
                                                const FramePasses& passes, ivec4 area) {
     std::unique_ptr<Layer> layer(new Layer(parts, drawing, view, layerView, passes, area));
-    const std::vector<std::uint32_t> drawn = layer->addRuns(drawing, view);
+    std::vector<DrawnRun> drawn = layer->addRuns(drawing, view);
     if (auto ok = layer->upload(); !ok) return passOn(ok);
-    layer->samples_ = std::make_unique<CutSamples>(parts.samples, view.cut, drawn);
+    layer->findSamples(view.cut, std::move(drawn));
     return layer;
+}
+
+Layer::~Layer() {
+    // Those of an octree, and all there: the next picture may be of the same runs.
+    if (samples_.source != 0 && samples_.samples && samples_.samples->whole())
+        parts_.tables.kept = std::move(samples_);
+}
+
+void Layer::findSamples(const Cut& cut, std::vector<DrawnRun> drawn) {
+    const glm::dmat4& m = layerView_.viewpoint->cloudToView;
+    const glm::dvec3 direction(-m[0][2], -m[1][2], -m[2][2]);
+    KeptSamples kept = std::exchange(parts_.tables.kept, {});
+    const bool same = kept.samples && kept.source == cut.source && kept.runs == drawn;
+    if (same && glm::dot(kept.direction, direction) > sameOrderCosine) {
+        samples_ = std::move(kept);
+        samples_.samples->again();
+        return;
+    }
+    const auto ordered = frontToBack(cut, drawn, *layerView_.viewpoint);
+    samples_ = {std::make_unique<CutSamples>(parts_.samples, cut, ordered), cut.source, std::move(drawn),
+                direction};
 }
 
 Layer::Layer(const LayerParts& parts, const Drawing& drawing, const CutView& view, const LayerView& layerView,
@@ -65,87 +64,63 @@ Layer::Layer(const LayerParts& parts, const Drawing& drawing, const CutView& vie
       passes_(passes),
       area_(area),
       splats_(splatPasses(passes, layerView, drawing.color)),
-      tables_(parts.tables.host),
       background_(
           backgroundRows(drawing.background, area.y - layerView.pad, area.w, layerView.viewpoint->height)),
       byClass_(view.filter.classes.has_value()) {
     for (SplatPass& pass : splats_) pass.outliers = view.filter.outliers;
 }
 
-std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const CutView& view) {
+std::vector<DrawnRun> Layer::addRuns(const Drawing& drawing, const CutView& view) {
     const Cut& cut = view.cut;
     const SampleFilter& filter = view.filter;
-    tables_.begin(colorTables(drawing.color, filter), cut.runs.size());
-    std::vector<std::uint32_t> drawn;
-    std::vector<float> depths;
+    SplatTables& tables = parts_.tables.host;
+    tables.begin(colorTables(drawing.color, filter), cut.runs.size());
+    std::vector<DrawnRun> drawn;
     drawn.reserve(cut.runs.size());
-    depths.reserve(cut.runs.size());
     std::size_t regions = 0;
     runOfCut_.resize(cut.runs.size());
     for (std::uint32_t i = 0; i < cut.runs.size(); ++i) {
         const CutRun& run = cut.runs[i];
         if (run.samples.empty()) continue;
-        const auto numbers = runNumbers(run, layerView_, drawing.color, filter);
+        const auto facts = runFacts(run, layerView_, drawing.color, filter);
         const auto crossing = runRegions(*run.node, filter);
-        if (!numbers || !crossing) continue;
-        runOfCut_[i] = tables_.add(*numbers, *crossing, splats_, *layerView_.viewpoint);
+        if (!facts || !crossing) continue;
+        runOfCut_[i] = tables.add(*run.node, *facts, *crossing);
         regions = std::max(regions, crossing->regions.size());
-        drawn.push_back(i);
-        depths.push_back(frontOf(*run.node, *layerView_.viewpoint));
+        drawn.push_back({i, run.nodeIndex, run.samples.data(), run.samples.size(), run.beside.data()});
     }
-    traits_ = {parts_.memory.limits(), tables_.filters, splats_.front().silhouette};
+    traits_ = {parts_.memory.limits(), tables.filters, splats_.front().silhouette};
     chunkSamples_ = samplesPerChunk;
     for (const SplatPass& pass : splats_)
         chunkSamples_ = std::min(chunkSamples_, chunkSamples(pass, traits_, pixelsOf(area_), regions));
-    return frontToBack(drawn, depths);
+    return drawn;
 }
 
 Expected<void> Layer::upload() {
     const std::size_t limit = parts_.memory.limits().storageBlockBytes;
-    if (std::as_bytes(std::span(tables_.runs)).size() > limit ||
-        std::as_bytes(std::span(tables_.words)).size() > limit)
+    LayerMemory& tables = parts_.tables;
+    SplatTables& host = tables.host;
+    if (std::as_bytes(std::span(host.runs)).size() > limit ||
+        std::as_bytes(std::span(host.words)).size() > limit)
         return fail(ErrorCode::ResourceLimit,
                     fmt::format("The cut has {} runs, more than the OpenGL driver takes at once; "
                                 "ask for less detail or use --backend=cpu.",
-                                tables_.runs.size()));
-    LayerMemory& tables = parts_.tables;
-    if (auto ok = tables.fill(tables.runs, tables_.runs); !ok) return ok;
-    if (auto ok = tables.fill(tables.lookUps, tables_.words); !ok) return ok;
-    return tables.fill(tables.rows, background_);
+                                host.runs.size()));
+    if (auto ok = tables.facts.tell(host.runs, tables.ring); !ok) return ok;
+    if (auto ok = tables.lookUps.tell(host.words, tables.ring); !ok) return ok;
+    return tables.rows.tell(background_, tables.ring);
 }
 
 Expected<void> Layer::begin(const SampleBatch& batch) {
-    if (batch.version == version_) return {};
+    return parts_.tables.tell(batch, {runOfCut_, chunkSamples_, passes_.bySample()});
+}
+
+/// Once: a part of a pixel moves centres, not runs.
+Expected<void> Layer::compose() {
+    if (std::exchange(composed_, true)) return {};
     LayerMemory& tables = parts_.tables;
-    std::vector<SplatChunk>& chunks = tables.chunkList;
-    std::vector<SplatExtent>& extents = tables.extentList;
-    chunks.clear();
-    extents.clear();
-    pages_.clear();
-    for (const SampleBatch::Page& page : batch.pages) {
-        PageWork work;
-        work.firstChunk = static_cast<std::uint32_t>(chunks.size());
-        work.firstExtent = static_cast<std::uint32_t>(extents.size());
-        for (const Extent& e : page.extents) {
-            const std::uint32_t run = runOfCut_[e.run];
-            if (passes_.bySample())
-                extents.push_back({uvec4(tables_.runs[run].color.z + e.first, e.count, run, e.at),
-                                   uvec4(e.beside, 0, 0, 0)});
-            for (std::uint32_t i = 0; i < e.count; i += chunkSamples_)
-                chunks.push_back({uvec4(e.at + i, std::min(chunkSamples_, e.count - i), run, e.first + i),
-                                  uvec4(e.beside + i, 0, 0, 0)});
-        }
-        std::sort(extents.begin() + work.firstExtent, extents.end(),
-                  [](const SplatExtent& a, const SplatExtent& b) { return a.range.x < b.range.x; });
-        work.chunks = static_cast<std::uint32_t>(chunks.size()) - work.firstChunk;
-        work.extents = static_cast<std::uint32_t>(extents.size()) - work.firstExtent;
-        pages_.push_back(work);
-    }
-    version_ = 0;
-    if (auto ok = tables.fill(tables.chunks, chunks); !ok) return ok;
-    if (auto ok = tables.fill(tables.extents, extents); !ok) return ok;
-    version_ = batch.version;
-    return {};
+    const ComposeParams params = composeParams(*layerView_.viewpoint, splats_, tables.facts.values().size());
+    return tables.compose(parts_.screen, params, parts_.exactDoubles);
 }
 
 const KeyPlane& Layer::colors() const {
@@ -175,12 +150,12 @@ Expected<void> Layer::splatOnce(const SplatPass& pass, Keep keep, const std::sto
         parts_.tables.chunks.bindStorage(binding::splat::chunks);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
             batch.pages[i].texels->bind(unit::samples);
-            if (auto ok = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !ok)
-                return ok;
+            const BatchTables::PageWork& work = parts_.tables.batch.pages[i];
+            if (auto ok = parts_.slices.dispatch(work.firstChunk, work.chunks, stop); !ok) return ok;
         }
         return {};
     };
-    auto drawn = samples_->forEachBatch(drawBatch, stop);
+    auto drawn = samples_.samples->forEachBatch(drawBatch, stop);
     parts_.gl.MemoryBarrier(afterSplats);
     return drawn;
 }
@@ -204,7 +179,7 @@ Expected<void> Layer::splat(std::size_t index, const SplatPass& pass, ivec4 band
     const std::size_t pixels = pixelsOf(band);
     if (auto ok = parts_.screen.set(splatParams(pass, band, index, byClass_)); !ok) return ok;
     parts_.tables.runs.bindStorage(binding::runs);
-    parts_.tables.lookUps.bindStorage(binding::tables);
+    parts_.tables.lookUps.buffer().bindStorage(binding::tables);
     if (traits_.silhouette) memory.silhouette.bindTexels(unit::silhouette);
     if (pass.reduction != Reduction::Nearest) {
         memory.nearest.keys.bindTexels(unit::visible);
@@ -236,7 +211,7 @@ Expected<void> Layer::resolveKeys(const ResolveParams& params, const GpuPlanes& 
     planes.rgba->bindStorage(at::rgba);
     planes.depth->bindStorage(at::depth);
     if (normals) planes.normals->bindStorage(at::normals);
-    parts_.tables.rows.bindStorage(at::background);
+    parts_.tables.rows.buffer().bindStorage(at::background);
     return overPixels(params.area, resolveKeysVariant(passes_, traits_.limits.keys64, normals));
 }
 
@@ -247,7 +222,7 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
     const ShaderVariant variant =
         resolveSamplesVariant(splats_.front(), traits_.limits.keys64, normals, owners);
     parts_.tables.runs.bindStorage(binding::runs);
-    parts_.tables.lookUps.bindStorage(binding::tables);
+    parts_.tables.lookUps.buffer().bindStorage(binding::tables);
     bindColors();
     planes.rgba->bindStorage(at::rgba);
     planes.depth->bindStorage(at::depth);
@@ -260,16 +235,17 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
         if (auto ok = begin(batch); !ok) return ok;
         parts_.tables.extents.bindStorage(at::extents);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
-            if (pages_[i].extents == 0) continue;
-            params.look.x = pages_[i].firstExtent;
-            params.look.y = pages_[i].extents;
+            const BatchTables::PageWork& work = parts_.tables.batch.pages[i];
+            if (work.extents == 0) continue;
+            params.look.x = work.firstExtent;
+            params.look.y = work.extents;
             if (auto ok = parts_.screen.set(params); !ok) return ok;
             batch.pages[i].texels->bind(unit::samples);
             if (auto ok = overPixels(params.area, variant); !ok) return ok;
         }
         return {};
     };
-    return samples_->forEachBatch(look, stop);
+    return samples_.samples->forEachBatch(look, stop);
 }
 
 Expected<void> Layer::resolveSums(const ResolveParams& params, const GpuPlanes& planes, bool normals) {
@@ -297,6 +273,7 @@ Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatPass> splats, co
     for (std::size_t i = 0; i < splats.size(); ++i) {
         const char* const name = nameOf(splats[i]);
         const StageTimes::Scope timed(times, name);
+        if (auto ok = compose(); !ok) return ok;
         if (auto ok = splat(i, splats[i], band, stop); !ok) return ok;
         if (auto ok = checkErrors(parts_.gl, std::string("splatting \"") + name + "\""); !ok) return ok;
     }
@@ -325,7 +302,7 @@ Expected<void> Layer::smooth(const SplatPass& pass, const GpuPlanes& planes) {
 /// pass.
 Expected<void> Layer::gather(StageTimes& times, const std::stop_token& stop) {
     const StageTimes::HostScope timed(times, "prepare");
-    const auto batch = samples_->gather(stop);
+    const auto batch = samples_.samples->gather(stop);
     if (!batch) return passOn(batch);
     return begin(*batch);
 }

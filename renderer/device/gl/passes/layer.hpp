@@ -31,10 +31,15 @@ struct LayerParts {
     Slices& slices;
     SplatMemory& memory;  ///< of the layer being drawn: all layers of a device may share one
     LayerMemory& tables;  ///< this layer's alone
+    /// The GPU's doubles round as the processor's (memory/composed_runs.hpp).
+    bool exactDoubles = false;
 };
 
 class Layer {
   public:
+    ~Layer();
+    Layer(const Layer&) = delete;
+
     /// `area` (x, y, width, height) of the whole picture, shifted by layerView.pad as planes are. Everything
     /// given outlives the layer. ResourceLimit: too many runs for a storage block, or no memory.
     static Expected<std::unique_ptr<Layer>> create(const LayerParts& parts, const Drawing& drawing,
@@ -49,16 +54,12 @@ class Layer {
                         const std::stop_token& stop);
 
   private:
-    /// Of a batch's page, in the chunks and extents that the GPU has.
-    struct PageWork {
-        std::uint32_t firstChunk = 0, chunks = 0;
-        std::uint32_t firstExtent = 0, extents = 0;
-    };
-
     Layer(const LayerParts& parts, const Drawing& drawing, const CutView& view, const LayerView& layerView,
           const FramePasses& passes, ivec4 area);
-    std::vector<std::uint32_t> addRuns(const Drawing& drawing, const CutView& view);
+    std::vector<DrawnRun> addRuns(const Drawing& drawing, const CutView& view);
+    void findSamples(const Cut& cut, std::vector<DrawnRun> drawn);
     Expected<void> upload();
+    Expected<void> compose();
     Expected<void> gather(StageTimes& times, const std::stop_token& stop);
     Expected<void> begin(const SampleBatch& batch);
     Expected<void> drawBand(ivec4 band, std::span<const SplatPass> splats, const GpuPlanes& planes,
@@ -87,14 +88,12 @@ class Layer {
     const ivec4 area_;
     std::vector<SplatPass> splats_;
     LayerTraits traits_;
-    std::uint32_t chunkSamples_ = 0;  ///< of a chunk at most
-    SplatTables& tables_;
+    std::uint32_t chunkSamples_ = 0;         ///< of a chunk at most
     std::vector<std::uint32_t> background_;  ///< rows of area_
     const bool byClass_;
     std::vector<std::uint32_t> runOfCut_;  ///< from the cut's runs to the tables'
-    std::unique_ptr<CutSamples> samples_;
-    std::uint64_t version_ = 0;  ///< of the batch that pages_ stand for
-    std::vector<PageWork> pages_;
+    KeptSamples samples_;                  ///< of the layer before, where that drew the same
+    bool composed_ = false;                ///< the GPU has its runs as they are seen from here
 };
 
 }  // namespace scancast::gl

@@ -36,7 +36,7 @@ DevicePool::DevicePool(const std::shared_ptr<const Context>& context,
 
 LayerParts DevicePool::layerParts(std::size_t layer) {
     while (tables.size() <= layer) tables.push_back(std::make_unique<LayerMemory>(gl, tablesRing));
-    return {gl, programs, shaders, samples, slices, splats, *tables[layer]};
+    return {gl, programs, shaders, samples, slices, splats, *tables[layer], exactDoubles};
 }
 
 Picture::Picture(DevicePool& pool, const Drawing& drawing, const FramePasses& passes, std::stop_token stop)

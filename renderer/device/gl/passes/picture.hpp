@@ -40,6 +40,7 @@ struct DevicePool {
     PlaneMemory sun;     ///< its map of shadows
     Buffer sunSeen;
     ReadBack readBack;
+    bool exactDoubles = false;  ///< as found out when the device opens (memory/composed_runs.hpp)
 
     /// For a picture's layer (0), or its mirrors' and the sun's (from 1 on).
     LayerParts layerParts(std::size_t layer);

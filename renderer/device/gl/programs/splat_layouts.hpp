@@ -1,5 +1,5 @@
 // The structs that splat passes and their resolving share with C++: one text, shaders/layouts_splat.glsl,
-// compiled by both. Plain values.
+// compiled by both; and what runs are composed of. Plain values.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +12,11 @@
 
 namespace scancast::gl {
 
+using glm::dvec4;
 using glm::ivec4;
 using glm::uvec4;
 using glm::vec4;
+#include "renderer/device/gl/shaders/splat/layouts_runs.glsl"
 #include "renderer/device/gl/shaders/splat/layouts_splat.glsl"
 
 static_assert(sizeof(Sample) == sizeof(uvec4), "a sample is one uvec4 of the shaders");
@@ -28,6 +30,9 @@ static_assert(sizeof(RunParams) == 128);
 static_assert(offsetof(RunParams, clipMin) == 48 && offsetof(RunParams, clipMax) == 64);
 static_assert(offsetof(RunParams, sizeFactors) == 80 && offsetof(RunParams, factors) == 96);
 static_assert(offsetof(RunParams, color) == 112);
+static_assert(sizeof(RunFacts) == 128 && offsetof(RunFacts, clipMin) == 64 && offsetof(RunFacts, color) == 112);
+static_assert(sizeof(ComposeParams) == 224 && offsetof(ComposeParams, scale) == 128);
+static_assert(offsetof(ComposeParams, count) == 192);
 static_assert(sizeof(SplatChunk) == 32 && sizeof(SplatExtent) == 32);
 static_assert(offsetof(SplatChunk, beside) == 16 && offsetof(SplatExtent, beside) == 16);
 static_assert(sizeof(ResolveParams) == 144 && offsetof(ResolveParams, view) == 112);
@@ -50,7 +55,10 @@ inline constexpr unsigned silhouette = 4;
 
 /// Binding points of storage blocks by shader, as the shaders number them; OpenGL promises eight.
 namespace binding {
-inline constexpr unsigned runs = 1, tables = 3;  ///< splat.comp, resolve_samples.comp
+inline constexpr unsigned runs = 1, tables = 3;  ///< splat.comp, resolve_samples.comp, compose_runs.comp
+namespace composeRuns {
+inline constexpr unsigned facts = 0;
+}
 namespace splat {
 inline constexpr unsigned chunks = 2, sums = 4, keys = 4, payloads = 5;
 }

@@ -17,7 +17,7 @@ struct SplatLimits {
     bool lookFirst = true;       ///< a look is cheaper than an atomic operation that changes nothing
     /// Turns that all loops of a thread may take together; 0: as many as they like.
     std::uint32_t loopTurns = 0;
-    /// Memory that a work group's threads share in which sums are added up first (shaders/splat/sum_tile.glsl); 0: none.
+    /// Memory that a work group's threads share in which sums are added up first (shaders/splat/sums.glsl); 0: none.
     std::uint32_t tileBytes = 0;
     bool countAdds = false;  ///< for tests: shaders/splat/sums.glsl
 };

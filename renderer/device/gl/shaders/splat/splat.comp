@@ -1,7 +1,7 @@
 // A splat pass over samples of one page: silhouette, nearest, cell or sum (renderer/device/pass.hpp). A work group takes
 // one chunk; each thread draws its samples' footprints itself, but for the large ones, which are marked and then drawn by all
 // threads together, pixel by pixel. Nothing depends on the order: reductions are integers. Sums may take the chunk part by part,
-// each with a tile of pixels in shared memory (sum_tile.glsl).
+// each with a tile of pixels in shared memory (sums.glsl).
 // Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
 // PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SUM_TILE, COUNT_ADDS, SILHOUETTE, FILTERS, CURVED.
 #version 450 core

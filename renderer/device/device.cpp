@@ -13,7 +13,7 @@ namespace scancast {
 namespace {
 
 GlOptions glOptions(const DeviceOptions& options) {
-    return {options.programFolder, options.gpuMemoryLimit, options.uploadBudget};
+    return {options.programFolder, options.gpuMemoryLimit, options.uploadBudget, options.sumTiles};
 }
 
 Expected<std::unique_ptr<Device>> createBest(const DeviceOptions& options) {

@@ -163,6 +163,7 @@ struct DeviceOptions {
     std::uint64_t gpuMemoryLimit = 0;  ///< egl, osmesa: bytes of samples at most; 0 = gl/memory_limit.hpp
     std::uint64_t uploadBudget =
         0;  ///< egl, osmesa: bytes a moving frame may upload; 0 = gl/memory_limit.hpp
+    std::optional<bool> sumTiles{};  ///< egl, osmesa, for benchmarks: gl/programs/splat_limits.hpp
 };
 
 /// DeviceUnavailable names what is missing and how to get it.

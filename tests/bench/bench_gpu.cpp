@@ -3,7 +3,7 @@
 // the marks of this project. Prints Markdown for docs/performance.md, row by row; gpu_day.sh runs it in parts
 // of a few minutes.
 //
-//   bench_gpu [--backend egl|osmesa|cpu] [--egl-device N] [--require-hardware]
+//   bench_gpu [--backend egl|osmesa|cpu] [--egl-device N] [--require-hardware] [--sum-tiles true|false]
 //             [--points 10M,100M,796M] [--scene town] [--no-surfels]
 //             [--sizes 1248x768,1920x1080,3840x2160] [--methods …] [--repeat N] [--warm-up SECONDS]
 //             [--compare [--anyway]] [--pictures FOLDER] [--json FILE] [--quick]

@@ -12,7 +12,7 @@
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-parts=(device compare 10m 100m-points 100m-surfels 796m)
+parts=(device compare 10m 10m-direct-sums 100m-points 100m-surfels 796m)
 
 usage() {
   cat <<'END'
@@ -24,6 +24,7 @@ part           minutes  what it does                                     (on an 
 device            0.1   opens the device, tells driver, memory, clocks
 compare           0.3   every method's picture of six scenes against the cpu device's
 10m               1.5   10 million points, all methods, three sizes
+10m-direct-sums   0.5   the same cloud, methods with sums, these not in shared memory first: to be set beside 10m
 100m-points       1.5   100 million points without surfels: brute force and the methods that need none
 100m-surfels      1.5   100 million points with surfels: disc, ewa, voronoi
 796m                3   796 million points without surfels: brute force and a few methods; 57 GB of memory
@@ -72,6 +73,9 @@ command_of() {
       [[ $quick == no ]] || command+=(--scenes town --points 20000 --width 192 --repeat 1)
       ;;
     10m) command+=(--sizes "$sizes" --points "$(points_of 10M 10k)") ;;
+    10m-direct-sums)
+      command+=(--sizes "$sizes" --points "$(points_of 10M 10k)" --methods 'hqs,disc,ewa,voronoi' --sum-tiles false)
+      ;;
     100m-points) command+=(--sizes "$sizes" --points "$(points_of 100M 20k)" --no-surfels) ;;
     100m-surfels) command+=(--sizes "$sizes" --points "$(points_of 100M 20k)" --methods 'disc,ewa,voronoi') ;;
     796m)

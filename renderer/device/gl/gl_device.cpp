@@ -113,8 +113,9 @@ class GlDevice final : public Device {
 
     GlDevice(std::shared_ptr<Context> context, const Findings& found, const GlOptions& options)
         : context_(std::move(context)),
-          pool_(std::make_unique<DevicePool>(context_, options.programFolder, found.arithmetic, found.samples,
-                                             splatLimits(context_->functions(), found.driver.software))),
+          pool_(std::make_unique<DevicePool>(
+              context_, options.programFolder, found.arithmetic, found.samples,
+              splatLimits(context_->functions(), found.driver.software, options.sumTiles))),
           memory_(*context_, pool_->samples, uploadBudget(found.driver.software, options.uploadBudget)) {
         const DriverStrings& driver = found.driver;
         info_ = {context_->backend(), driver.vendor, driver.renderer, driver.version, !driver.software, {}};

@@ -20,6 +20,7 @@ struct GlOptions {
     std::filesystem::path programFolder{};  ///< empty = nothing is kept from run to run
     std::uint64_t gpuMemoryLimit = 0;       ///< bytes; 0 = by default (memory_limit.hpp), as the next one
     std::uint64_t uploadBudget = 0;         ///< bytes
+    std::optional<bool> sumTiles{};         ///< for benchmarks: splat_limits.hpp
     std::optional<gl::Arithmetic> arithmetic{};  ///< for tests; nullopt = what fits the driver
 };
 

@@ -49,6 +49,8 @@ Settings settingsFrom(int argc, char** argv) {
     CLI::App app("Measures a graphics card with every method; prints Markdown");
     app.add_option("--backend", s.device.backend, "egl, osmesa, cpu");
     app.add_option("--egl-device", s.device.eglDevice, "as scancast --list-backends numbers them");
+    app.add_option("--sum-tiles", s.device.sumTiles,
+                   "whether sums are added up in shared memory first: true, false");
     app.add_flag("--require-hardware", s.requireHardware, "ends with exit code 4 on a software rasteriser");
     app.add_option("--points", points, "of the clouds: 10M,100M,796M")->delimiter(',');
     app.add_option("--scene", s.scene, "as scancast generate knows them");

@@ -26,8 +26,20 @@ bool isSinglePixel(const SplatPass& pass) {
 bool sharesFootprints(const SplatPass& pass) {
     return !isSinglePixel(pass) && (ofSurfels(pass) || pass.maxPx >= smallestShared);
 }
+/// Of a work group's tile: what fits, beside all else that its threads share, and is not so much that few groups do.
+int tilePixels(const SplatPass& pass, const LayerTraits& traits) {
+    constexpr std::uint32_t elsewhere = 256, mostPixels = 41 * 41, leastPixels = 64;
+    const std::uint32_t bytes = traits.limits.tileBytes;
+    if (pass.reduction != Reduction::Sum || bytes <= elsewhere) return 0;
+    const std::uint32_t pixels = std::min((bytes - elsewhere) / (pass.sumNormals ? 28 : 16), mostPixels);
+    return pixels < leastPixels ? 0 : static_cast<int>(pixels);
+}
 int groupSize(const SplatPass& pass, const LayerTraits& traits) {
     return sharesFootprints(pass) ? std::max(sharingGroup, traits.limits.groupSize) : traits.limits.groupSize;
+}
+
+std::uint32_t clampedSamples(double samples) {
+    return static_cast<std::uint32_t>(std::clamp<double>(samples, 1, samplesPerChunk));
 }
 
 static_assert(SHAPE_FLAT_SQUARE == int(SplatShape::FlatSquare));
@@ -75,6 +87,8 @@ ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Kee
              {"BY_INTENSITY", colored && pass.byIntensity},
              {"PAYLOAD", bare ? PAYLOAD_NONE : static_cast<int>(pass.payload)},
              {"SUM_NORMALS", pass.sumNormals},
+             {"SUM_TILE", tilePixels(pass, traits)},
+             {"COUNT_ADDS", sums && traits.limits.countAdds},
              {"CURVED", pass.curved && sums && pass.sumNormals && pass.shape == SplatShape::Ellipse},
              {"SILHOUETTE", tested},
              {"FILTERS", traits.filters}}};
@@ -94,8 +108,14 @@ std::uint32_t chunkSamples(const SplatPass& pass, const LayerTraits& traits, std
     const double alone = place + 2 * (shared ? std::min<double>(largest, MANY_PIXELS) : largest);
     // ... or all threads place it, and draw it together.
     const double together = shared ? place + 1 + largest / threads : 0;
-    const double samples = loopTurns / (alone / threads + together);
-    return static_cast<std::uint32_t>(std::clamp<double>(samples, 1, samplesPerChunk));
+    const double ofSamples = alone / threads + together;
+    const double tile = tilePixels(pass, traits);
+    if (tile == 0) return clampedSamples(loopTurns / ofSamples);
+    // Sums look twice more where samples lie, and empty and add up a tile, plane by plane, and go through what is marked, for the
+    // whole chunk, or part by part.
+    constexpr double planes = 7, marks = 2 * CHUNK_SAMPLES / 32, leastOfPart = 32;
+    const double ofTile = 2 * planes * (1 + tile / threads) + marks;
+    return clampedSamples((loopTurns - ofTile) / (ofSamples + 2 * place / threads + ofTile / leastOfPart));
 }
 
 ShaderVariant resolveKeysVariant(const FramePasses& passes, bool keys64, bool normals) {

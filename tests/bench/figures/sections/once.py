@@ -7,7 +7,7 @@ from .. import machine
 from ..bench import HERE, Failed, run
 from ..words import table
 
-PARTS = ("device", "compare", "10m", "100m-points", "100m-surfels", "796m")
+PARTS = ("device", "compare", "10m", "10m-direct-sums", "100m-points", "100m-surfels", "796m")
 
 
 def measure_gpu(bench):
@@ -36,13 +36,14 @@ def gpu_page(data):
         lines.append(f"Of `compare_devices`' {len(compared)} pictures {sum(row['sameBytes'] for row in compared)} are the `cpu` device's, byte by byte.")
     rows = []
     for name, part in parts.items():
+        direct = name.endswith("-direct-sums")  # to be set beside the others; no mark is theirs
         for cloud in part.get("clouds", []) if name != "device" and isinstance(part, dict) else []:
             for row in cloud["rows"]:
                 if "gpuMs" in row:
-                    brute = ", brute force" if row.get("bruteForce") else ""
+                    brute = ", brute force" if row.get("bruteForce") else ", sums not in shared memory first" if direct else ""
                     rows.append([f"{cloud['points'] / 1e6:g} M points", f"`{row['method']}`{brute}", f"{row['width']} x {row['height']}", row["samples"] / 1e6, row["gpuMs"],
                                  row["hostMs"], row["frameMs"], row["jpegMs"]])
-                for mark in row.get("marks", []):
+                for mark in [] if direct else row.get("marks", []):
                     marks[mark["what"], row["method"], cloud["points"]] = mark
     lines.append("Milliseconds; GPU = all passes, frame = from the view to pixels in main memory, JPEG = and encoded.")
     lines.append(table(["town", "method", "size", "million samples", "GPU", "host", "frame", "JPEG"], rows))

@@ -1,8 +1,9 @@
 // A splat pass over samples of one page: silhouette, nearest, cell or sum (renderer/device/pass.hpp). A work group takes
-// one chunk; each thread draws its samples' footprints itself, but for the large ones, which are put down in a queue and
-// then drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers.
+// one chunk; each thread draws its samples' footprints itself, but for the large ones, which are marked and then drawn by all
+// threads together, pixel by pixel. Nothing depends on the order: reductions are integers. Sums may take the chunk part by part,
+// each with a tile of pixels in shared memory (sums.glsl).
 // Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
-// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SILHOUETTE, FILTERS, CURVED.
+// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SUM_TILE, COUNT_ADDS, SILHOUETTE, FILTERS, CURVED.
 #version 450 core
 #if KEYS64
 #extension GL_ARB_gpu_shader_int64 : require
@@ -65,14 +66,19 @@ uint carriedBy(RunParams run, uvec4 words, uint index, uint beside, float depth)
 #endif
 }
 
-// A sample of the chunk; false: nothing of it lies in the area.
+// A sample of the chunk, if its turn has come (renderer/select/fade.hpp), placed.
+bool placedOf(RunParams run, SplatChunk chunk, uint i, out uvec4 words, out Placed placed) {
+    if ((chunk.range.w + i) * uint(TURN_STEP) > run.color.y) return false;
+    words = texelFetch(samples, int(chunk.range.x + i));
+    return placeSample(run, words, placed);
+}
+
+// False: nothing of it lies in the area.
 bool footprintOf(RunParams run, SplatChunk chunk, uint i, out Footprint f) {
-    uint index = chunk.range.w + i, beside = chunk.beside.x + i;
-    // Fading levels: the samples whose turn has come (renderer/select/fade.hpp).
-    if (index * uint(TURN_STEP) > run.color.y) return false;
-    uvec4 words = texelFetch(samples, int(chunk.range.x + i));
+    uvec4 words;
     Placed placed;
-    if (!placeSample(run, words, placed)) return false;
+    if (!placedOf(run, chunk, i, words, placed)) return false;
+    uint index = chunk.range.w + i, beside = chunk.beside.x + i;
 #if CURVED
     bendCode = besideAt(run, beside) & curvatureBits;
 #endif
@@ -96,8 +102,7 @@ void drawAlone(Footprint f) {
 }
 
 #if SHARED_FOOTPRINTS
-shared uint queued;
-shared uint queue[CHUNK_SAMPLES];
+shared uint large[CHUNK_SAMPLES / 32];  // a bit for each sample of the chunk
 
 int pixelsOf(Footprint f) { return (f.box.z - f.box.x + 1) * (f.box.w - f.box.y + 1); }
 
@@ -108,19 +113,18 @@ void drawTogether(Footprint f) {
 }
 #endif
 
-void main() {
-    SplatChunk chunk = chunks[firstChunk + gl_WorkGroupID.x];
-    RunParams run = runs[chunk.range.z];
+// Samples first .. end - 1 of the chunk.
+void drawSamples(RunParams run, SplatChunk chunk, uint first, uint end) {
     Footprint f;
 #if SHARED_FOOTPRINTS
-    if (gl_LocalInvocationID.x == 0u) queued = 0u;
+    for (uint i = gl_LocalInvocationID.x; i < CHUNK_SAMPLES / 32; i += GROUP_SIZE) large[i] = 0u;
     barrier();
 #endif
-    for (uint i = gl_LocalInvocationID.x; i < chunk.range.y; i += GROUP_SIZE) {
+    for (uint i = first + gl_LocalInvocationID.x; i < end; i += GROUP_SIZE) {
         if (!footprintOf(run, chunk, i, f)) continue;
 #if SHARED_FOOTPRINTS
         if (pixelsOf(f) >= MANY_PIXELS) {
-            queue[atomicAdd(queued, 1u)] = i;
+            atomicOr(large[i / 32u], 1u << (i % 32u));
             continue;
         }
 #endif
@@ -128,8 +132,70 @@ void main() {
     }
 #if SHARED_FOOTPRINTS
     barrier();
-    for (uint i = 0u; i < queued; ++i) {
-        if (footprintOf(run, chunk, queue[i], f)) drawTogether(f);
+    for (uint word = first / 32u; 32u * word < end; ++word) {
+        for (uint bits = large[word]; bits != 0u; bits &= bits - 1u) {
+            if (footprintOf(run, chunk, 32u * word + uint(findLSB(bits)), f)) drawTogether(f);
+        }
     }
+#endif
+}
+
+#if SUM_TILE > 0
+// Sets the bounds of samples first .. end - 1, roughly.
+void bound(RunParams run, SplatChunk chunk, uint first, uint end) {
+    const int none = 1 << 30;
+    barrier();  // nobody needs those before any more
+    if (gl_LocalInvocationID.x < 4u) bounds[gl_LocalInvocationID.x] = none;
+    if (gl_LocalInvocationID.x == 0u) boundSamples = 0u;
+    barrier();
+    ivec2 low = ivec2(none), high = ivec2(none);
+    uint count = 0u;
+    for (uint i = first + gl_LocalInvocationID.x; i < end; i += GROUP_SIZE) {
+        uvec4 words;
+        Placed placed;
+        if (!placedOf(run, chunk, i, words, placed)) continue;
+        vec2 at = vec2(placed.x, placed.y);
+        float reach = min(roughHalf(run, placed), mostHalf);
+        ivec2 begin = max(ivec2(floor(at - reach)), pass.area.xy);
+        ivec2 last = min(ivec2(floor(at + reach)), pass.area.xy + pass.area.zw - 1);
+        if (any(greaterThan(begin, last))) continue;
+        low = min(low, begin);
+        high = min(high, -last);
+        ++count;
+    }
+    if (count > 0u) {
+        atomicMin(bounds[0], low.x);
+        atomicMin(bounds[1], low.y);
+        atomicMin(bounds[2], high.x);
+        atomicMin(bounds[3], high.y);
+        atomicAdd(boundSamples, count);
+    }
+    barrier();
+}
+
+void drawChunk(RunParams run, SplatChunk chunk) {
+    uint count = chunk.range.y;
+    bound(run, chunk, 0u, count);
+    uint part = partOf(count);
+    for (uint first = 0u; first < count; first += part) {
+        uint end = min(first + part, count);
+        if (part < count) bound(run, chunk, first, end);
+        setTile();
+        emptyTile();
+        barrier();
+        drawSamples(run, chunk, first, end);
+        barrier();
+        addTile();
+    }
+}
+#endif
+
+void main() {
+    SplatChunk chunk = chunks[firstChunk + gl_WorkGroupID.x];
+    RunParams run = runs[chunk.range.z];
+#if SUM_TILE > 0
+    drawChunk(run, chunk);
+#else
+    drawSamples(run, chunk, 0u, chunk.range.y);
 #endif
 }

@@ -9,6 +9,11 @@ struct Footprint {
     Addends addends;
 };
 
+#if SUM_TILE > 0
+// About how far its footprint reaches from its centre, px.
+float roughHalf(RunParams run, Placed placed) { return placed.halfPx; }
+#endif
+
 bool setUp(RunParams run, uvec4 words, Placed placed, uint color, out Footprint f) {
     float h = placed.halfPx;
     f.x = placed.x;
@@ -53,5 +58,5 @@ void drawFragment(Footprint f, ivec2 at, uint pixel) {
 #else
     const bool turned = false;
 #endif
-    addFragment(pixel, weight, f.addends, turned);
+    addFragment(at, pixel, weight, f.addends, turned);
 }

@@ -143,7 +143,7 @@ void reduce(Footprint f, ivec2 at, uint pixel, vec2 d, float square, float c) {
         f.addends.normal = uvec3(shifted(n.x), shifted(n.y), shifted(n.z));
     }
 #endif
-    addFragment(pixel, weight, f.addends, turned);
+    addFragment(at, pixel, weight, f.addends, turned);
 #else
 #if REDUCTION == REDUCTION_CELL
     precise float order = placeOnDisc(square, c) * f.radius;

@@ -76,6 +76,18 @@ float halfPixels(float radius, float depth) {
     return max(min(seen, pass.surfel.w), leastHalf);
 }
 
+#if REDUCTION == REDUCTION_SUM && SUM_TILE > 0
+// About how far its footprint reaches from its centre, px, however it is turned.
+float roughHalf(RunParams run, Placed placed) {
+    float radius = run.factors.w * pass.surfel.z * placed.ratio;
+#if SHAPE == SHAPE_DISC
+    return halfPixels(radius * pass.extent.x, placed.depth);
+#else
+    return halfPixels(radius * pass.blur.z, placed.depth) + pass.blur.y;
+#endif
+}
+#endif
+
 // False: it is not drawn. `radiusFactor`: what is drawn, in the sample's radii.
 bool poseOf(RunParams run, uvec4 words, Placed placed, float radiusFactor, out Pose p) {
     p.cloud = sampleNormal(words.w & 0xffffu);

@@ -14,6 +14,10 @@ namespace scancast {
 std::uint64_t machineMemory();
 /// At least 1. A quota of one and a half is two.
 int machineCores();
+/// `threads`, or where it is 0 as many as machineCores().
+inline int coresOf(int threads) {
+    return threads > 0 ? threads : machineCores();
+}
 /// Bytes that this process has in memory now.
 std::uint64_t residentMemory();
 /// Bytes that this process has asked its allocator for and not given back; 0 where that does not tell.

@@ -106,7 +106,6 @@ Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampl
         const auto* const pixels = frame.rgba.data() + std::size_t(y0) * std::size_t(frame.width) * 4;
         stripes[std::size_t(i)] = encodeStripe(pixels, frame.width, rows, quality, subsampling);
     };
-    if (threads == 0) threads = tbb::this_task_arena::max_concurrency();
     if (threads < 2 || count < 2) {
         for (int i = 0; i < count; ++i) encode(i);
     } else {

@@ -13,7 +13,7 @@ namespace scancast {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Baseline JPEG; alpha is dropped. Same frame, quality and subsampling → same bytes, on any number of `threads` (0 = all cores): each
+/// Baseline JPEG; alpha is dropped. Same frame, quality and subsampling → same bytes, on any number of `threads`: each
 /// encodes stripes of jpegStripeRows (jpeg_stripes.hpp), whose height depends on nothing, with a restart marker between them.
 Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampling, int threads = 1);
 /// 8-bit PNG; RGBA when `alpha`, else RGB. Looks at `stop` with every row, because large ones take seconds:

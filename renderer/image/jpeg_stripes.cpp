@@ -1,5 +1,6 @@
 #include "renderer/image/jpeg_stripes.hpp"
 
+#include <algorithm>
 #include <optional>
 
 namespace scancast {
@@ -27,6 +28,7 @@ std::optional<Layout> layoutOf(Span bytes) {
     for (std::size_t at = 2; at + 4 <= bytes.size();) {
         const std::size_t length = wordAt(bytes, at + 2);
         if (bytes[at] != 0xFF || length < 2 || at + 2 + length + 2 > bytes.size()) return std::nullopt;
+        if (bytes[at + 1] == restartInterval) return std::nullopt;
         if (bytes[at + 1] == startOfFrame && length >= 2 + 6 + 3) layout.frame = at + 4;
         if (bytes[at + 1] == startOfScan) {
             const Span end = bytes.last(2);
@@ -43,6 +45,15 @@ std::optional<Layout> layoutOf(Span bytes) {
 
 void append(std::vector<std::uint8_t>& bytes, Span more) {
     bytes.insert(bytes.end(), more.begin(), more.end());
+}
+
+/// All before the scan, tables among it, but for how high the picture is.
+bool sameHead(Span one, const Layout& ofOne, Span other, const Layout& ofOther) {
+    if (ofOne.scan != ofOther.scan || ofOne.frame != ofOther.frame) return false;
+    const auto equal = [&](std::size_t begin, std::size_t end) {
+        return std::ranges::equal(one.subspan(begin, end - begin), other.subspan(begin, end - begin));
+    };
+    return equal(0, ofOne.frame + 1) && equal(ofOne.frame + 3, ofOne.scan);
 }
 
 tl::unexpected<Error> wrong(const char* what) {
@@ -82,6 +93,7 @@ Expected<std::vector<std::uint8_t>> joinJpegStripes(std::span<const Span> stripe
     for (std::size_t i = 1; i < stripes.size(); ++i) {
         const auto layout = layoutOf(stripes[i]);
         if (!layout) return wrong("a stripe is no baseline picture");
+        if (!sameHead(first, *head, stripes[i], *layout)) return wrong("a stripe has tables of its own");
         joined.push_back(0xFF);
         joined.push_back(std::uint8_t(firstRestart + (i - 1) % mostRestarts));
         append(joined, layout->entropy);

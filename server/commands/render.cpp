@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "files/machine.hpp"
 #include "files/output_file.hpp"
 #include "protocol/flags/exit_codes.hpp"
 #include "protocol/flags/view_flags.hpp"
@@ -217,7 +218,7 @@ Expected<void> runRender(const RenderArguments& arguments, const WordValues& wor
         const auto rendered = Clock::now();
         auto encoded =
             encode(frame, *view, arguments.output.empty() ? fs::path("x.jpg") : fs::path(arguments.output),
-                   arguments.device.threads);
+                   coresOf(arguments.device.threads));
         if (!encoded) return passOn(encoded);
         bytes = std::move(*encoded);
         const auto end = Clock::now();

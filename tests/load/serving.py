@@ -222,6 +222,16 @@ class Stream:
             pass
         self.socket.settimeout(60)
 
+    def read_until(self, word):
+        """Until that has come, in one message."""
+        self.socket.settimeout(60)
+        last = b""
+        while word not in last:
+            more = self.socket.recv(1 << 20)
+            if not more:
+                raise SystemExit("the stream was closed")
+            last = last[-1000:] + more
+
     def close(self):
         self.socket.close()
 

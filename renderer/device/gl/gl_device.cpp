@@ -68,9 +68,12 @@ class GlDevice final : public Device {
         const auto samples = sampleCacheOptions(gl, driver->software, options.gpuMemoryLimit);
         const Findings found{*driver, *arithmetic, samples,
                              memoryBeside(gl, driver->software, samples.memoryLimit)};
-        std::unique_ptr<GlDevice> device(new GlDevice(std::move(context), found, options));
+        std::unique_ptr<GlDevice> device(new GlDevice(context, found, options));
         const auto exactDoubles = composesExactly(device->pool_->shaders);
-        if (!exactDoubles) return passOn(exactDoubles);
+        if (!exactDoubles) {
+            current = passOn(exactDoubles);  // the device goes first, and is current for itself then
+            return passOn(exactDoubles);
+        }
         device->pool_->exactDoubles = *exactDoubles;
         return device;
     }

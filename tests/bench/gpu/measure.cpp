@@ -3,6 +3,7 @@
 #include <array>
 #include <fstream>
 
+#include "files/machine.hpp"
 #include "renderer/image/encode.hpp"
 #include "tests/bench/bench_tools.hpp"
 #include "tests/bench/gpu/open.hpp"
@@ -42,12 +43,13 @@ Cost costOf(Device& device, const Cloud& cloud, View view, const RenderOptions& 
     std::vector<double> frames, jpegs;
     double spent = 0;
     const double warmUp = s.warmUp * 1000;
+    const int cores = coresOf(s.device.threads);
     for (int drawn = 0; cost.frames < s.repeat; ++drawn) {
         // Nothing of the frame before can be used again.
         view.camera = test::moved(view.camera, test::Motion::Orbit, 0.01);
         Frame frame;
         const double drawing = timed([&] { frame = orExit(render(device, cloud, view, options)); });
-        const double encoding = timed([&] { orExit(encodeJpeg(frame, 90, Subsampling::S420)); });
+        const double encoding = timed([&] { orExit(encodeJpeg(frame, 90, Subsampling::S420, cores)); });
         spent += drawing + encoding;
         if (cost.frames == 0 && (drawn < framesNotCounted || spent < warmUp)) continue;
         if (cost.frames >= fewestFrames && spent > warmUp + mostSeconds * 1000) break;

@@ -47,5 +47,30 @@ TEST_P(Keys64, GiveTheCpusBytesInEveryMethodAndProjection) {
     }
 }
 
+// As a graphics card adds them up: in tiles in shared memory first, then by 64-bit atomics. A rasteriser has no tiles unless told.
+TEST_P(Keys64, SumsInTilesToo) {
+    REQUIRE_DEVICE(cpu, "cpu");
+    if (!device_->info().atomics64) GTEST_SKIP() << "MISSING: 64-bit atomics in " << title(device_->info());
+    DeviceOptions options;
+    options.backend = GetParam();
+    options.sumTiles = true;
+    const auto tiled = createDevice(options);
+    ASSERT_TRUE(tiled) << tiled.error().message;
+    const auto cloud = sceneCloud("room", 20'000).value();
+    View view = sceneView(*cloud, sceneViews("room")[0], Projection::Perspective, 161, 113);
+    for (const char* method : {"hqs", "disc", "ewa", "voronoi"}) {
+        SCOPED_TRACE(method);
+        view.style.method = method;
+        const auto a = render(**tiled, *cloud, view), b = render(*cpu, *cloud, view);
+        ASSERT_TRUE(a && b);
+        const Agreement agreement = agreementOf(*a, *b);
+        EXPECT_GE(agreement.psnr, 45);
+        EXPECT_GT(agreement.part(agreement.covered), 0.05) << "a picture of nothing proves nothing";
+        if ((*tiled)->info().exact) {
+            EXPECT_TRUE(agreement.identical()) << agreement.changed << " differ";
+        }
+    }
+}
+
 }  // namespace
 }  // namespace scancast::test

@@ -12,6 +12,9 @@
 
 namespace scancast::gl {
 
+/// That one dispatch composes: OpenGL promises 65,535 groups.
+inline constexpr std::size_t mostComposedRuns = 65'535 * 64;
+
 ComposeParams composeParams(const Viewpoint& viewpoint, std::span<const SplatPass> passes, std::size_t runs);
 
 /// What the shader makes of them, by the host. A run of which something is too large for a float lies behind the eye.
@@ -21,7 +24,8 @@ RunParams composed(const RunFacts& facts, const ComposeParams& params);
 Expected<void> composeOnGpu(ScreenShaders& shaders, const Buffer& facts, const ComposeParams& params,
                             const Buffer& runs);
 
-/// Whether the driver does what composed() does, bit by bit: of some thousand runs, near and far.
+/// Whether the driver does what composed() does, bit by bit: of some thousand runs, near and far. One that cannot compile or run
+/// it does not. DeviceLost.
 Expected<bool> composesExactly(ScreenShaders& shaders);
 
 }  // namespace scancast::gl

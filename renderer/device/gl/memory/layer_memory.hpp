@@ -56,8 +56,8 @@ class ToldTable {
 
   private:
     bool same(const std::vector<T>& values) const {
-        return values.size() == told_.size() &&
-               std::memcmp(values.data(), told_.data(), values.size() * sizeof(T)) == 0;
+        if (values.size() != told_.size()) return false;
+        return values.empty() || std::memcmp(values.data(), told_.data(), values.size() * sizeof(T)) == 0;
     }
 
     Buffer buffer_;

@@ -100,7 +100,7 @@ Expected<void> Layer::upload() {
     const std::size_t limit = parts_.memory.limits().storageBlockBytes;
     LayerMemory& tables = parts_.tables;
     SplatTables& host = tables.host;
-    if (std::as_bytes(std::span(host.runs)).size() > limit ||
+    if (host.runs.size() > mostComposedRuns || std::as_bytes(std::span(host.runs)).size() > limit ||
         std::as_bytes(std::span(host.words)).size() > limit)
         return fail(ErrorCode::ResourceLimit,
                     fmt::format("The cut has {} runs, more than the OpenGL driver takes at once; "

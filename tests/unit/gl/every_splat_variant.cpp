@@ -46,6 +46,12 @@ void addPass(SplatPass pass, bool silhouettes, Variants& variants) {
                 const LayerTraits whole{{.keys64 = true}, filters, silhouette};
                 for (const Keep keep : {Keep::Key, Keep::Order})
                     variants.add(splatVariant(pass, whole, keep));
+                // Tiles know nothing of where colours come from.
+                if (pass.reduction != Reduction::Sum || pass.coloring != SplatColoring::Rgb) continue;
+                for (const bool keys64 : {false, true}) {
+                    const LayerTraits tiles{{.keys64 = keys64, .tileBytes = 49152}, filters, silhouette};
+                    variants.add(splatVariant(pass, tiles, Keep::Order));
+                }
                 const LayerTraits tiles{{.keys64 = true, .tileBytes = 49152}, filters, silhouette};
                 if (pass.reduction == Reduction::Sum) variants.add(splatVariant(pass, tiles, Keep::Order));
             }

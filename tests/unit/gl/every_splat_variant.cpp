@@ -36,10 +36,9 @@ void addPass(SplatPass pass, bool silhouettes, Variants& variants) {
             for (const bool silhouette : {false, true}) {
                 if (silhouette && !silhouettes) continue;
                 // Keys in halves, with and without a look; whole keys, with silhouettes that are orders
-                // alone. Sums with and without tiles.
+                // alone.
                 for (const bool lookFirst : {false, true}) {
-                    const LayerTraits halves{
-                        {.lookFirst = lookFirst, .tileBytes = lookFirst ? 32768u : 0u}, filters, silhouette};
+                    const LayerTraits halves{{.lookFirst = lookFirst}, filters, silhouette};
                     for (const Keep keep : {Keep::Order, Keep::Payload})
                         variants.add(splatVariant(pass, halves, keep));
                 }
@@ -52,8 +51,6 @@ void addPass(SplatPass pass, bool silhouettes, Variants& variants) {
                     const LayerTraits tiles{{.keys64 = keys64, .tileBytes = 49152}, filters, silhouette};
                     variants.add(splatVariant(pass, tiles, Keep::Order));
                 }
-                const LayerTraits tiles{{.keys64 = true, .tileBytes = 49152}, filters, silhouette};
-                if (pass.reduction == Reduction::Sum) variants.add(splatVariant(pass, tiles, Keep::Order));
             }
         }
     }

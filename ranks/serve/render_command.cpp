@@ -75,9 +75,9 @@ struct RanksTimes {
     }
 };
 
-Expected<Bytes> encoded(const Frame& frame, const View& view, const fs::path& file) {
+Expected<Bytes> encoded(const Frame& frame, const View& view, const fs::path& file, int threads) {
     if (file.extension() != ".png")
-        return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling);
+        return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling, threads);
     return encodePng(frame, view.style.background.kind == Background::Kind::Transparent);
 }
 
@@ -116,7 +116,7 @@ Expected<void> renderAsFirst(const Communicator& ranks, const std::shared_ptr<Sh
             camera.eye = camera.target + glm::dvec3(turn * glm::dvec4(camera.eye - camera.target, 0));
     }
     if (!arguments.output.empty()) {
-        const auto bytes = encoded(frame, *view, arguments.output);
+        const auto bytes = encoded(frame, *view, arguments.output, threads);
         if (!bytes) return passOn(bytes);
         if (auto ok = writeWholeFile(arguments.output, std::as_bytes(std::span(*bytes))); !ok) return ok;
     }

@@ -1,11 +1,15 @@
 #include "renderer/image/encode.hpp"
 
 #include <spng.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #include <turbojpeg.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+
+#include "renderer/image/jpeg_stripes.hpp"
 
 namespace scancast {
 
@@ -66,25 +70,56 @@ tl::unexpected<Error> pngFailure(ErrorCode code, int status) {
     return fail(code, std::string("PNG: ") + spng_strerror(status));
 }
 
+/// A few rows, as a picture of their own.
+struct JpegStripe {
+    std::unique_ptr<unsigned char, TurboBufferDeleter> buffer;
+    std::size_t size = 0;
+};
+
+Expected<JpegStripe> encodeStripe(const std::uint8_t* rgba, int width, int rows, int quality,
+                                  Subsampling subsampling) {
+    const Turbo encoder(tjInitCompress());
+    if (!encoder) return fail(ErrorCode::Internal, std::string("JPEG: ") + tjGetErrorStr2(nullptr));
+    unsigned char* raw = nullptr;
+    unsigned long size = 0;
+    const int failed = tjCompress2(encoder.get(), rgba, width, 0, rows, TJPF_RGBX, &raw, &size,
+                                   turboSubsampling(subsampling), quality, 0);
+    JpegStripe stripe{std::unique_ptr<unsigned char, TurboBufferDeleter>(raw), size};
+    if (failed) return jpegFailure(encoder.get());
+    return stripe;
+}
+
 /// A decoder must not be made to allocate what a few hostile bytes promise.
 constexpr std::uint64_t maxDecodedPixels = std::uint64_t(maxPictureSide) * maxPictureSide;
 
 }  // namespace
 
-Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampling) {
+Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampling, int threads) {
     if (!sound(frame)) return fail(ErrorCode::Internal, "JPEG: the frame has no pixels");
     if (quality < 1 || quality > 100) {
         return fail(ErrorCode::InvalidArgument, "quality must be from 1 (small) to 100 (fine)", "quality");
     }
-    const Turbo encoder(tjInitCompress());
-    if (!encoder) return fail(ErrorCode::Internal, std::string("JPEG: ") + tjGetErrorStr2(nullptr));
-    unsigned char* raw = nullptr;
-    unsigned long size = 0;
-    const int failed = tjCompress2(encoder.get(), frame.rgba.data(), frame.width, 0, frame.height, TJPF_RGBX,
-                                   &raw, &size, turboSubsampling(subsampling), quality, 0);
-    const std::unique_ptr<unsigned char, TurboBufferDeleter> buffer(raw);
-    if (failed) return jpegFailure(encoder.get());
-    return Bytes(raw, raw + size);
+    const int count = (frame.height + jpegStripeRows - 1) / jpegStripeRows;
+    std::vector<Expected<JpegStripe>> stripes(static_cast<std::size_t>(count));
+    const auto encode = [&](int i) {
+        const int y0 = i * jpegStripeRows, rows = std::min(jpegStripeRows, frame.height - y0);
+        const auto* const pixels = frame.rgba.data() + std::size_t(y0) * std::size_t(frame.width) * 4;
+        stripes[std::size_t(i)] = encodeStripe(pixels, frame.width, rows, quality, subsampling);
+    };
+    if (threads == 0) threads = tbb::this_task_arena::max_concurrency();
+    if (threads < 2 || count < 2) {
+        for (int i = 0; i < count; ++i) encode(i);
+    } else {
+        tbb::task_arena(std::min(threads, count)).execute([&] {
+            tbb::parallel_for(0, count, encode, tbb::simple_partitioner());
+        });
+    }
+    std::vector<std::span<const std::uint8_t>> pictures;
+    for (const auto& stripe : stripes) {
+        if (!stripe) return tl::unexpected(stripe.error());
+        pictures.emplace_back(stripe->buffer.get(), stripe->size);
+    }
+    return joinJpegStripes(pictures, frame.height, jpegStripeRows);
 }
 
 Expected<Bytes> encodePng(const Frame& frame, bool alpha, const std::stop_token& stop) {

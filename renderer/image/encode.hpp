@@ -13,8 +13,9 @@ namespace scancast {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Baseline JPEG; alpha is dropped. Same frame, quality and subsampling → same bytes.
-Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampling);
+/// Baseline JPEG; alpha is dropped. Same frame, quality and subsampling → same bytes, on any number of `threads` (0 = all cores): each
+/// encodes stripes of jpegStripeRows (jpeg_stripes.hpp), whose height depends on nothing, with a restart marker between them.
+Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampling, int threads = 1);
 /// 8-bit PNG; RGBA when `alpha`, else RGB. Looks at `stop` with every row, because large ones take seconds:
 /// Cancelled.
 Expected<Bytes> encodePng(const Frame& frame, bool alpha, const std::stop_token& stop = {});

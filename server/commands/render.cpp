@@ -107,8 +107,8 @@ bool isJpeg(const fs::path& file) {
     return endingOf(file) == ".jpg" || endingOf(file) == ".jpeg";
 }
 
-Expected<Bytes> encode(const Frame& frame, const View& view, const fs::path& file) {
-    if (isJpeg(file)) return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling);
+Expected<Bytes> encode(const Frame& frame, const View& view, const fs::path& file, int threads) {
+    if (isJpeg(file)) return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling, threads);
     return encodePng(frame, view.style.background.kind == Background::Kind::Transparent);
 }
 
@@ -216,7 +216,8 @@ Expected<void> runRender(const RenderArguments& arguments, const WordValues& wor
         frame = std::move(*drawn);
         const auto rendered = Clock::now();
         auto encoded =
-            encode(frame, *view, arguments.output.empty() ? fs::path("x.jpg") : fs::path(arguments.output));
+            encode(frame, *view, arguments.output.empty() ? fs::path("x.jpg") : fs::path(arguments.output),
+                   arguments.device.threads);
         if (!encoded) return passOn(encoded);
         bytes = std::move(*encoded);
         const auto end = Clock::now();

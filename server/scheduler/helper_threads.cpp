@@ -12,9 +12,9 @@ namespace {
 
 /// The session's video takes the frame, or else it is encoded by itself; `picture` says which.
 Expected<Bytes> encodedFrame(const Frame& frame, const PictureOrder& order, EncodedPicture& picture,
-                             const std::stop_token& token) {
+                             const std::stop_token& token, int threads) {
     auto coded = order.video ? order.video->encode(frame, order.view.quality.jpegQuality) : std::nullopt;
-    if (!coded) return encodePicture(frame, order.view, order.format, token);
+    if (!coded) return encodePicture(frame, order.view, order.format, token, threads);
     picture.codec = Codec::H264;
     picture.videoNumber = coded->number;
     picture.key = coded->key;
@@ -93,7 +93,7 @@ Expected<EncodedPicture> Scheduler::encoded(Turns::Request& request, const std::
         drawn.frame = std::move(*remade);
     }
     EncodedPicture picture;
-    auto bytes = encodedFrame(drawn.frame, request.order, picture, token);
+    auto bytes = encodedFrame(drawn.frame, request.order, picture, token, options_.encodeThreads);
     if (!bytes) return passOn(std::move(bytes));
     auto depth = request.order.withDepth ? encodeDepth(drawn.frame) : Bytes{};
     if (!depth) return passOn(std::move(depth));

@@ -10,7 +10,7 @@ namespace scancast {
 static_assert(std::endian::native == std::endian::little, "depth goes out as it lies in memory");
 
 Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureFormat format,
-                              const std::stop_token& stop) {
+                              const std::stop_token& stop, int threads) {
     if (format == PictureFormat::Png) {
         return encodePng(frame, view.style.background.kind == Background::Kind::Transparent, stop);
     }
@@ -20,7 +20,7 @@ Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureForma
         return bytes;
     }
     if (format == PictureFormat::Pixels) return Bytes(frame.rgba.begin(), frame.rgba.end());
-    return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling);
+    return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling, threads);
 }
 
 Expected<Bytes> encodeDepth(const Frame& frame) {

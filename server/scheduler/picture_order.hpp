@@ -100,9 +100,10 @@ struct Painter {
     OpenPainter instead{};
 };
 
-/// The frame's bytes as the view and the format ask. A pure function, unless it is stopped: Cancelled.
+/// The frame's bytes as the view and the format ask, the same on any number of `threads` (encodeJpeg()). A pure function, unless it is
+/// stopped: Cancelled.
 Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureFormat format,
-                              const std::stop_token& stop = {});
+                              const std::stop_token& stop = {}, int threads = 1);
 
 /// The frame's depth in cells, packed. A pure function.
 Expected<Bytes> encodeDepth(const Frame& frame);

@@ -37,6 +37,7 @@ namespace scancast {
 struct SchedulerOptions : TurnsOptions {
     std::function<MemoryRoom()> room = memoryRoom;  ///< asked before a large picture is begun
     TransientMemory memory{};                       ///< where frames and encoded pictures are counted
+    int encodeThreads = 1;                          ///< of one JPEG; 0 = all cores
 };
 
 /// A device that was there and is gone.

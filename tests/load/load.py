@@ -225,6 +225,39 @@ class Load:
         figure("encoded, over frames of a follower", encoded / (statistics.median(followed) or 1), most=1.2, digits=2)
         figure("frames that were shared", 100 * more("scancast_frames_shared_total") / (more("scancast_frames_sent_total") or 1), "%")
 
+    def messages(self):
+        """What a view costs that is overwritten before it is drawn: nobody acknowledges, so that nothing is drawn beside it."""
+        count = 2000 if self.quick else 20_000
+        self.sheet.part(f"{count} views in one stream, 320 x 180, of which none is acknowledged")
+        view = json.loads(self.server.get(f"/api/v1/clouds/{self.server.cloud}")[2])["view"]
+        whole = {"type": "view", **{key: value for key, value in view.items() if key not in ("cloud", "width", "height")}}
+        for name, message in (("a camera", {"type": "view", "camera": view["camera"]}), ("a whole view", whole)):
+            stream = serving.Stream(self.server)
+            stream.send({"type": "hello", "cloud": self.server.cloud, "width": 320, "height": 180})
+            stream.read(1)
+            eye, seq = message["camera"]["eye"], 0
+
+            def views(many):
+                nonlocal seq
+                for _ in range(many):
+                    seq += 1
+                    moved = {**message["camera"], "eye": [eye[0] + seq * 1e-4, *eye[1:]]}
+                    yield {**message, "seq": seq, "camera": moved}
+
+            for _ in range(40):  # until as many frames are on their way as may be
+                stream.send(*views(5))
+                stream.read(0.05)
+            before = serving.metrics(self.server), self.server.cpu_seconds()
+            for _ in range(20):
+                stream.send(*views(count // 20))
+            stream.send({"type": "ping", "id": 1})
+            stream.read(0.5)
+            after = serving.metrics(self.server), self.server.cpu_seconds()
+            drawn = [numbers.get("scancast_frames_sent_total", 0) for numbers, _ in (before, after)]
+            stream.close()
+            self.sheet.figure(f"{name}: processor time of the server", (after[1] - before[1]) / count * 1e6, "us", most=40)
+            self.sheet.figure(f"{name}: frames that were sent meanwhile", drawn[1] - drawn[0], digits=0)
+
     def drive(self, session, over):
         """A walk around, until it is over."""
         view = json.loads(self.server.get(f"/api/v1/clouds/{self.server.cloud}")[2])["view"]["camera"]
@@ -276,7 +309,7 @@ class Load:
         self.sheet.promise("final still is the snapshot of its view, byte for byte", same == picture)
 
 
-PARTS = ("moving", "crowd", "followers", "idle", "snapshots", "shaped")
+PARTS = ("moving", "crowd", "followers", "messages", "idle", "snapshots", "shaped")
 
 
 def cloud_file(scancast, arguments, folder):

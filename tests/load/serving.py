@@ -190,6 +190,42 @@ class MjpegReaders:
             key.fileobj.close()
 
 
+class Stream:
+    """A WebSocket of the stream's that writes text and reads nothing: what a client sends that never acknowledges (RFC 6455)."""
+
+    def __init__(self, server):
+        self.socket = socket.create_connection(server.address, timeout=60)
+        self.socket.sendall(("GET /api/v1/stream HTTP/1.1\r\nHost: %s:%d\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                             "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+                             "Sec-WebSocket-Protocol: scancast.v1\r\n\r\n" % server.address).encode())
+        answer = self.socket.recv(65536)
+        if b" 101 " not in answer.split(b"\r\n", 1)[0]:
+            raise SystemExit("no stream was opened: " + answer[:200].decode(errors="replace"))
+
+    @staticmethod
+    def frame(message):
+        """A text message as it goes over the line; masked by zeros, which changes nothing of it and is a mask all the same."""
+        text = json.dumps(message).encode()
+        length = bytes([0x80 | len(text)]) if len(text) < 126 else bytes([0x80 | 126]) + len(text).to_bytes(2, "big")
+        return b"\x81" + length + bytes(4) + text
+
+    def send(self, *messages):
+        self.socket.sendall(b"".join(self.frame(message) for message in messages))
+
+    def read(self, seconds):
+        """What comes within that time, thrown away."""
+        self.socket.settimeout(seconds)
+        try:
+            while self.socket.recv(1 << 20):
+                pass
+        except socket.timeout:
+            pass
+        self.socket.settimeout(60)
+
+    def close(self):
+        self.socket.close()
+
+
 class Proxy:
     """tests/support/serving/shaping_proxy.py before the server."""
 

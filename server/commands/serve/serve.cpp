@@ -251,6 +251,7 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, cons
     if (parts.clouds) options.server.cache = parts.clouds(std::move(options.server.cache));
     options.server.ranks = parts.ranks;
     options.server.scheduler.memory = TransientMemory(shares.transient);
+    options.server.scheduler.encodeThreads = options.device.threads;
     options.server.scheduler.maxFrameBytes = options.server.scheduler.memory.forFrames();
     options.server.kept = keptClouds(options);
     options.server.remote = remoteFiles(options);

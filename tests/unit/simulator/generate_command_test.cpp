@@ -41,6 +41,7 @@ TEST(Generate, WritesExactlyTheAskedNumberOfPoints) {
     const test::TemporaryFolder folder;
     for (const char* scene :
          {"town", "room", "sphere", "plane", "statue", "cube", "torus", "sign", "bridge"}) {
+        if (test::sanitized && scene == std::string("town")) continue;  // SameSeedSameBytes… writes it
         const std::string ply = folder.file("s.ply"), las = folder.file("s.las");
         EXPECT_EQ(generate({scene, "--points", "1.003k", "-o", ply}).exitCode, 0);
         EXPECT_EQ(test::parsePly(test::contentOf(ply)).points.size(), 1003u);

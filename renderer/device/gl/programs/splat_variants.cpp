@@ -28,8 +28,10 @@ bool sharesFootprints(const SplatPass& pass) {
 }
 /// Of a work group's tile: what fits, beside all else that its threads share, and is not so much that few groups do.
 int tilePixels(const SplatPass& pass, const LayerTraits& traits) {
-    constexpr std::uint32_t elsewhere = 256, mostPixels = 41 * 41, leastPixels = 64;
+    constexpr std::uint32_t bounds = 256, queue = samplesPerChunk * sizeof(std::uint32_t);
+    constexpr std::uint32_t mostPixels = 41 * 41, leastPixels = 64;
     const std::uint32_t bytes = traits.limits.tileBytes;
+    const std::uint32_t elsewhere = bounds + (sharesFootprints(pass) ? queue : 0);
     if (pass.reduction != Reduction::Sum || bytes <= elsewhere) return 0;
     const std::uint32_t pixels = std::min((bytes - elsewhere) / (pass.sumNormals ? 28 : 16), mostPixels);
     return pixels < leastPixels ? 0 : static_cast<int>(pixels);
@@ -111,10 +113,9 @@ std::uint32_t chunkSamples(const SplatPass& pass, const LayerTraits& traits, std
     const double ofSamples = alone / threads + together;
     const double tile = tilePixels(pass, traits);
     if (tile == 0) return clampedSamples(loopTurns / ofSamples);
-    // Sums look twice more where samples lie, and empty and add up a tile, plane by plane, and go through what is marked, for the
-    // whole chunk, or part by part.
-    constexpr double planes = 7, marks = 2 * CHUNK_SAMPLES / 32, leastOfPart = 32;
-    const double ofTile = 2 * planes * (1 + tile / threads) + marks;
+    // Sums look twice more where samples lie, and empty and add up a tile, plane by plane, for the whole chunk, or part by part.
+    constexpr double planes = 7, leastOfPart = 32;
+    const double ofTile = 2 * planes * (1 + tile / threads);
     return clampedSamples((loopTurns - ofTile) / (ofSamples + 2 * place / threads + ofTile / leastOfPart));
 }
 

@@ -1,6 +1,6 @@
 // A splat pass over samples of one page: silhouette, nearest, cell or sum (renderer/device/pass.hpp). A work group takes
-// one chunk; each thread draws its samples' footprints itself, but for the large ones, which are marked and then drawn by all
-// threads together, pixel by pixel. Nothing depends on the order: reductions are integers. Sums may take the chunk part by part,
+// one chunk; each thread draws its samples' footprints itself, but for the large ones, which are put down in a queue and then
+// drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers. Sums may take the chunk part by part,
 // each with a tile of pixels in shared memory (sums.glsl).
 // Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
 // PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SUM_TILE, COUNT_ADDS, SILHOUETTE, FILTERS, CURVED.
@@ -102,7 +102,8 @@ void drawAlone(Footprint f) {
 }
 
 #if SHARED_FOOTPRINTS
-shared uint large[CHUNK_SAMPLES / 32];  // a bit for each sample of the chunk
+shared uint queued;
+shared uint queue[CHUNK_SAMPLES];
 
 int pixelsOf(Footprint f) { return (f.box.z - f.box.x + 1) * (f.box.w - f.box.y + 1); }
 
@@ -117,14 +118,14 @@ void drawTogether(Footprint f) {
 void drawSamples(RunParams run, SplatChunk chunk, uint first, uint end) {
     Footprint f;
 #if SHARED_FOOTPRINTS
-    for (uint i = gl_LocalInvocationID.x; i < CHUNK_SAMPLES / 32; i += GROUP_SIZE) large[i] = 0u;
+    if (gl_LocalInvocationID.x == 0u) queued = 0u;
     barrier();
 #endif
     for (uint i = first + gl_LocalInvocationID.x; i < end; i += GROUP_SIZE) {
         if (!footprintOf(run, chunk, i, f)) continue;
 #if SHARED_FOOTPRINTS
         if (pixelsOf(f) >= MANY_PIXELS) {
-            atomicOr(large[i / 32u], 1u << (i % 32u));
+            queue[atomicAdd(queued, 1u)] = i;
             continue;
         }
 #endif
@@ -132,10 +133,8 @@ void drawSamples(RunParams run, SplatChunk chunk, uint first, uint end) {
     }
 #if SHARED_FOOTPRINTS
     barrier();
-    for (uint word = first / 32u; 32u * word < end; ++word) {
-        for (uint bits = large[word]; bits != 0u; bits &= bits - 1u) {
-            if (footprintOf(run, chunk, 32u * word + uint(findLSB(bits)), f)) drawTogether(f);
-        }
+    for (uint i = 0u; i < queued; ++i) {
+        if (footprintOf(run, chunk, queue[i], f)) drawTogether(f);
     }
 #endif
 }

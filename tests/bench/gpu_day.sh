@@ -74,7 +74,7 @@ command_of() {
       ;;
     10m) command+=(--sizes "$sizes" --points "$(points_of 10M 10k)") ;;
     10m-direct-sums)
-      command+=(--sizes "$sizes" --points "$(points_of 10M 10k)" --methods 'hqs,disc,ewa,voronoi' --sum-tiles false)
+      command+=(--sizes "$sizes" --points "$(points_of 10M 10k)" --methods 'hqs,ewa,voronoi' --sum-tiles false)
       ;;
     100m-points) command+=(--sizes "$sizes" --points "$(points_of 100M 20k)" --no-surfels) ;;
     100m-surfels) command+=(--sizes "$sizes" --points "$(points_of 100M 20k)" --methods 'disc,ewa,voronoi') ;;

@@ -36,18 +36,21 @@ void addPass(SplatPass pass, bool silhouettes, Variants& variants) {
             for (const bool silhouette : {false, true}) {
                 if (silhouette && !silhouettes) continue;
                 // Keys in halves, with and without a look; whole keys, with silhouettes that are orders
-                // alone. Sums with and without tiles.
+                // alone.
                 for (const bool lookFirst : {false, true}) {
-                    const LayerTraits halves{
-                        {.lookFirst = lookFirst, .tileBytes = lookFirst ? 32768u : 0u}, filters, silhouette};
+                    const LayerTraits halves{{.lookFirst = lookFirst}, filters, silhouette};
                     for (const Keep keep : {Keep::Order, Keep::Payload})
                         variants.add(splatVariant(pass, halves, keep));
                 }
                 const LayerTraits whole{{.keys64 = true}, filters, silhouette};
                 for (const Keep keep : {Keep::Key, Keep::Order})
                     variants.add(splatVariant(pass, whole, keep));
-                const LayerTraits tiles{{.keys64 = true, .tileBytes = 49152}, filters, silhouette};
-                if (pass.reduction == Reduction::Sum) variants.add(splatVariant(pass, tiles, Keep::Order));
+                // Tiles know nothing of where colours come from.
+                if (pass.reduction != Reduction::Sum || pass.coloring != SplatColoring::Rgb) continue;
+                for (const bool keys64 : {false, true}) {
+                    const LayerTraits tiles{{.keys64 = keys64, .tileBytes = 49152}, filters, silhouette};
+                    variants.add(splatVariant(pass, tiles, Keep::Order));
+                }
             }
         }
     }

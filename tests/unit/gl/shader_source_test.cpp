@@ -65,8 +65,9 @@ std::string codeOf(std::string_view text) {
 /// Drivers round quotients, roots and powers as they like; shaders leave them to exact.glsl and formulas/powers.inl,
 /// or pictures are no longer the cpu device's. What divides integers is named here.
 TEST(ShaderSource, QuotientsAndRootsAreLeftToWhatRoundsThem) {
-    const std::set<std::string> integers{
-        "2u", "3", "5", "18", "255u", "divisor", "part.frames.x", "part.side", "side", "visible", "width"};
+    const std::set<std::string> integers{"2u",        "3",       "5",       "18",
+                                         "255u",      "divisor", "height",  "part.frames.x",
+                                         "part.side", "side",    "visible", "width"};
     const std::regex division(R"(/\s*([\w.]+))"),
         inexact(
             R"([^.\w](sqrt|inversesqrt|normalize|length|distance|pow|exp2?|log2?|sin|cos|mix|smoothstep|reflect)\()");

@@ -1,6 +1,7 @@
 #include "renderer/device/gl/programs/splat_variants.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "renderer/device/gl/programs/splat_layouts.hpp"
 #include "renderer/device/host/splats.hpp"
@@ -90,6 +91,7 @@ ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Kee
              {"PAYLOAD", bare ? PAYLOAD_NONE : static_cast<int>(pass.payload)},
              {"SUM_NORMALS", pass.sumNormals},
              {"SUM_TILE", tilePixels(pass, traits)},
+             {"SUM_SIDE", static_cast<int>(std::sqrt(tilePixels(pass, traits)))},
              {"COUNT_ADDS", sums && traits.limits.countAdds},
              {"CURVED", pass.curved && sums && pass.sumNormals && pass.shape == SplatShape::Ellipse},
              {"SILHOUETTE", tested},

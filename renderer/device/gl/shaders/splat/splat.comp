@@ -3,7 +3,7 @@
 // drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers. Sums may take the chunk part by part,
 // each with a tile of pixels in shared memory (sums.glsl).
 // Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
-// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SUM_TILE, COUNT_ADDS, SILHOUETTE, FILTERS, CURVED.
+// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SUM_TILE, SUM_SIDE, COUNT_ADDS, SILHOUETTE, FILTERS, CURVED.
 #version 450 core
 #if KEYS64
 #extension GL_ARB_gpu_shader_int64 : require

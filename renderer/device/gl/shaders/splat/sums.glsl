@@ -5,7 +5,7 @@
 //
 // Pixels of the group's tile are added up in shared memory before, all others at once; which are, decides
 // nothing but how long it takes. Variants: SUM_NORMALS, SUM_TILE (a tile's pixels, or 0), GROUP_SIZE,
-// KEYS64, COUNT_ADDS.
+// KEYS64, COUNT_ADDS; SUM_SIDE, of the largest square in a tile.
 const int largestWeight = 4095;
 const float normalSteps = 255.0;
 #if SUM_NORMALS
@@ -101,11 +101,11 @@ void setTile() {
     ivec2 most = size;
     if (size.x * size.y > SUM_TILE) {
         // As wide as it is high, unless one of both is less than that.
-        int side = int(sqrt(float(SUM_TILE)));
-        most.y = min(size.y, max(side, SUM_TILE / size.x));
-        most.x = min(size.x, SUM_TILE / most.y);
+        int width = size.x;
+        int height = min(size.y, max(SUM_SIDE, SUM_TILE / width));
+        most = ivec2(min(size.x, SUM_TILE / height), height);
     }
-    tile = ivec4(first + (size - most) / 2, most);
+    tile = ivec4(first + ((size - most) >> 1), most);
 }
 
 void emptyTile() {
@@ -118,10 +118,11 @@ void emptyTile() {
 // To the picture's sums.
 void addTile() {
     uint pixels = uint(tile.z * tile.w);
+    uint width = uint(tile.z);
     for (uint i = gl_LocalInvocationID.x; i < pixels; i += GROUP_SIZE) {
         uint weight = cells[i];
         if (weight == 0u) continue;
-        ivec2 place = tile.xy - pass.area.xy + ivec2(i % uint(tile.z), i / uint(tile.z));
+        ivec2 place = tile.xy - pass.area.xy + ivec2(i % width, i / width);
         uint sum = uint(place.y * pass.area.z + place.x) * planes;
         addTo(sum, weight);
         for (uint c = 1u; c < planes; ++c) addTo(sum + c, cells[c * SUM_TILE + i]);

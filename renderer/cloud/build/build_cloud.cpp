@@ -16,7 +16,7 @@ namespace {
 Expected<std::shared_ptr<const Cloud>> build(PointSource& source, const BuildOptions& options,
                                              const ProgressSink& progress) {
     Workspace workspace(Workspace::unlimited, {});
-    const int lanes = options.threads > 0 ? options.threads : machineCores();
+    const int lanes = coresOf(options.threads);
     auto built = buildFrom(
         source, options.shape,
         {.workspace = workspace, .file = nullptr, .threads = options.threads, .lanes = lanes}, progress, {});

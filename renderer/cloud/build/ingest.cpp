@@ -32,7 +32,7 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
 
     const fs::path outputFolder = folderOf(options.output);
     const fs::path scratch = scratchFolder(options);
-    const int threads = options.threads > 0 ? options.threads : machineCores();
+    const int threads = coresOf(options.threads);
     const MemoryShares memory = shareMemory(*limit, threads, options.shape);
     if (auto needs = diskNeeds((*source)->header(), options)) {
         // They wait until the points are read.

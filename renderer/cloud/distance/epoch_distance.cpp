@@ -52,7 +52,7 @@ Expected<Shares> shareLimit(const DistanceOptions& options, const CloudFile& aft
     std::uint64_t row = 0;
     for (const ValuePlane& plane : after.planes()) row += bytesOf(plane.type);
     Shares shares;
-    const int threads = options.threads > 0 ? options.threads : machineCores();
+    const int threads = coresOf(options.threads);
     shares.threads = int(std::clamp<std::uint64_t>(limit / 4 / laneBytes, 1, std::uint64_t(threads)));
     shares.chunkPoints = std::min(mostChunkPoints, limit / 4 / (pointBytes + 2 * row));
     const std::uint64_t used =

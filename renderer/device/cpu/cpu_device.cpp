@@ -129,7 +129,7 @@ Expected<std::unique_ptr<Device>> createCpuDevice(int threads,
                                 maxThreads, threads),
                     "threads");
     }
-    if (threads == 0) threads = machineCores();
+    threads = coresOf(threads);
     const char* forced = std::getenv("SCANCAST_SIMD");
     const auto level = cpu::chooseSimdLevel(forced != nullptr ? forced : "");
     if (!level) return passOn(level);

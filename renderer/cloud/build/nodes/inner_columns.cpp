@@ -270,7 +270,7 @@ Expected<void> addInnerColumns(CloudFacts& facts, BuiltOctree& octree, BlockSink
                            "nodes");
     InnerColumns inner(octree, file, facts, columns, planes, room.memory, progress);
     Expected<void> done;
-    tbb::task_arena arena(room.threads > 0 ? room.threads : machineCores());
+    tbb::task_arena arena(coresOf(room.threads));
     arena.execute([&] { done = inner.run(stop); });
     if (!done) return done;
     progress.finish();

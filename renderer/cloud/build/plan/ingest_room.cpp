@@ -85,7 +85,7 @@ std::filesystem::path scratchFolder(const IngestOptions& options) {
 std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions& options) {
     if (!header.points) return std::nullopt;
     const std::uint64_t limit = options.memoryLimit > 0 ? options.memoryLimit : machineMemory() / 2;
-    const int threads = options.threads > 0 ? options.threads : machineCores();
+    const int threads = coresOf(options.threads);
     const std::uint64_t inMemory = shareMemory(limit, threads, options.shape).workspace;
     const std::uint64_t row = stagedRowBytes(header);
     const std::uint64_t beside =

@@ -80,11 +80,18 @@ def about(given, build):
             "quick": given.quick}
 
 
+def stamp(path):
+    """What a file's or folder's content is taken by: another one there, or a newer one, is measured or read anew."""
+    return {"path": os.path.abspath(path), "changed": os.path.getmtime(path) if os.path.exists(path) else 0} if path else None
+
+
 def asked_with(given, section):
     """What else a section's figures depend on; another answer measures it anew."""
-    if section.name == "before":
-        return {"points": given.points, "before": given.before, "changed": os.path.getmtime(given.before) if given.before and os.path.exists(given.before) else 0}
-    return {"points": given.points, **({"upTo": given.points_up_to} if section.name == "points" else {})}
+    own = {"before": lambda: {"points": given.points, "before": stamp(given.before)},
+           "points": lambda: {"upTo": given.points_up_to},
+           "gpu": lambda: {"results": stamp(given.gpu_results)},
+           "tests": lambda: {"log": stamp(given.tests_log)}}
+    return {"points": given.points, "data": os.path.abspath(given.data), **own.get(section.name, dict)()}
 
 
 def listed(bench):

@@ -259,6 +259,20 @@ class TheCommand(unittest.TestCase):
             self.assertEqual(code, 2)
             self.assertIn(why, errors)
 
+    def test_another_answer_measures_anew_and_the_same_does_not(self):
+        with tempfile.TemporaryDirectory() as folder:
+            log = os.path.join(folder, "tests.log")
+            asked = lambda name, *more: command.asked_with(command.parse(["--data", folder, *more]), registry.named([name])[0])
+            for name, more in (("tests", ["--tests-log", log]), ("gpu", ["--gpu-results", folder]), ("before", ["--before", log]), ("points", ["--points-up-to", "1G"]),
+                               ("fast", ["--points", "5M"]), ("moves", ["--data", ROOT])):
+                self.assertNotEqual(asked(name), asked(name, *more), name)
+                self.assertEqual(asked(name, *more), asked(name, *more), name)
+            self.assertEqual(asked("fast"), asked("fast", "--tests-log", log))
+            before = asked("tests", "--tests-log", log)
+            with open(log, "w", encoding="utf-8"):
+                pass
+            self.assertNotEqual(before, asked("tests", "--tests-log", log))
+
     def test_one_section_from_the_programs_to_the_page(self):
         if not BIN or not os.access(os.path.join(BIN, "scancast"), os.X_OK):
             self.skipTest("--bin names no folder with a scancast")

@@ -55,7 +55,7 @@ def gpu_page(data):
 
 def tests_log(bench):
     """A need."""
-    return None if bench.given.tests_log else "it takes half an hour by itself: `./test.sh 2> tests.log`, then this command with `--tests-log tests.log`"
+    return None if bench.given.tests_log else "it takes more than an hour by itself: `./test.sh 2> tests.log`, then this command with `--tests-log tests.log`"
 
 
 def measure_tests(bench):

@@ -101,9 +101,11 @@ def commit(root=ROOT):
 
 def stale(build, targets=("scancast", "scancast-client")):
     """Why the programs of a build folder are not those of this tree, or nothing. The build system knows."""
-    if not os.path.exists(os.path.join(build, "build.ninja")) or not shutil.which("ninja"):
+    rules = os.path.join(os.path.abspath(build), "build.ninja")
+    if not os.path.exists(rules) or not shutil.which("ninja"):
         return ""
-    text = said("ninja", "-C", build, "-n", *targets)
+    # By its whole path: CMake's rules that make build.ninja itself, which look for new files each time, are then none of what is asked.
+    text = said("ninja", "-C", build, "-f", rules, "-n", *targets)
     return "" if not text or "no work to do" in text else f"the programs in {build} are not those of this tree: build first (./run.sh --build-only)"
 
 

@@ -4,6 +4,7 @@ import contextlib
 import io
 import os
 import random
+import shutil
 import sys
 import tempfile
 import unittest
@@ -211,6 +212,21 @@ class Words(unittest.TestCase):
         text = machine.words(about, ["2026-01-02", "2026-01-03"])
         for word in ("`abc`, with changes that are in no commit", "2026-01-02 to 2026-01-03", "C; 1 core, a virtual machine", "3.5 GB", "no graphics card", "g++ 12", "tbb 2021.8, z 1.2"):
             self.assertIn(word, text)
+
+    @unittest.skipUnless(shutil.which("ninja"), "no ninja")
+    def test_programs_of_another_tree_are_noticed(self):
+        rules = "\n".join(["rule again", " command = true", " generator = 1", "build never: phony", "build build.ninja: again never",  # as CMake looks for new files
+                           "rule copy", " command = cp $in $out", "build scancast: copy main.cpp", "build scancast-client: copy main.cpp", ""])
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(machine.stale(folder), "")  # built elsewhere
+            for name, text in (("build.ninja", rules), ("main.cpp", "1")):
+                with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                    file.write(text)
+            self.assertIn("build first", machine.stale(folder))
+            machine.said("ninja", "-C", folder, "-f", os.path.join(folder, "build.ninja"))
+            self.assertEqual(machine.stale(folder), "")
+            os.utime(os.path.join(folder, "main.cpp"), (4e9, 4e9))
+            self.assertIn("build first", machine.stale(folder))
 
     def test_a_run_of_all_tests_is_read(self):
         class Given:

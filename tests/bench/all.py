@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Every figure of docs/performance.md, measured anew by one command, and the page rewritten with them.
 
-    tests/bench/all.py [--before OTHER/BUILD/bin/scancast]           # all, about an hour and a half on two cores; nothing else should run
+    tests/bench/all.py [--before OTHER/BUILD/bin/scancast]           # all, about an hour and a quarter on two cores; nothing else should run
     tests/bench/all.py --list                                        # what there is, how long it takes, what is missing here
     tests/bench/all.py --only fast,threads                           # some, printed; the page stays as it is (--out FILE writes one)
     tests/bench/all.py --only before --before old/bin/scancast       # has anything become slower?

@@ -49,7 +49,7 @@ class Bench:
         self.points = 50_000 if given.quick else words.count(given.points)
         self.up_to = 100_000 if given.quick else words.count(given.points_up_to)
         self.size = (160, 90) if given.quick else (1280, 720)
-        self.frames = 2 if given.quick else 36
+        self.views, self.turns = (2, 1) if given.quick else (12, 3)
         self.rounds = 1 if given.quick else 3
         self.clouds = {}
 
@@ -93,12 +93,13 @@ class Bench:
 
     # ---- running
 
-    def turn(self, cloud, method=None, size=None, frames=None, flags=(), scancast=None, samples=1, turns=3):
-        """Statistics of `turns` turns about the cloud; medians are of views whose blocks are in memory since the first one."""
+    def turn(self, cloud, method=None, size=None, views=None, flags=(), scancast=None, samples=1):
+        """Statistics of three turns about the cloud, `views` in each. Medians are then of views whose blocks are in memory since the first turn: with
+        one turn, or two, they would be of reading as much as of drawing."""
         width, height = size or self.size
-        frames = frames or self.frames
+        views = min(views or self.views, self.views)
         return json.loads(run([scancast or self.scancast, "render", cloud, *(["--method", method] if method else []), "--width", str(width),
-                               "--height", str(height), "--samples", str(samples), "--repeat", str(frames), "--orbit", f"{turns * 360 / frames:g}",
+                               "--height", str(height), "--samples", str(samples), "--repeat", str(views * self.turns), "--orbit", f"{360 / views:g}",
                                "--stats", "json", *flags]))
 
     def script(self, name, *arguments, told=True):

@@ -48,10 +48,10 @@ def measure_before(bench):
     own = {program: plain_flags(program) for program in (old, new)}
     rounds = 1 if bench.quick else gate.ROUNDS
 
-    def frame(program, method, *flags, samples=1, frames=None, only=None):
+    def frame(program, method, *flags, samples=1, views=None, only=None):
         def measured():
             try:
-                stats = bench.turn(cloud, method, scancast=program, frames=frames or (2 if bench.quick else 12), turns=1, samples=samples,
+                stats = bench.turn(cloud, method, scancast=program, views=views, samples=samples,
                                    flags=[*same, *own[program], *flags])
             except Exception as problem:
                 raise gate.Unable(str(problem)) from None
@@ -67,8 +67,8 @@ def measure_before(bench):
     for method in bench.methods():
         compare(f"`{method}`", "ms", lambda program, m=method: frame(program, m))
     for method in bench.methods(*STILLS):
-        compare(f"`{method}`, four samples", "ms", lambda program, m=method: frame(program, m, samples=4, frames=2 if bench.quick else 4))
-    compare("`point`, brute force", "ms", lambda program: frame(program, "point", "--brute-force", frames=2 if bench.quick else 5))
+        compare(f"`{method}`, four samples", "ms", lambda program, m=method: frame(program, m, samples=4, views=2))
+    compare("`point`, brute force", "ms", lambda program: frame(program, "point", "--brute-force", views=2))
     compare("the JPEG", "ms", lambda program: frame(program, "paraboloid", only="encode"))
     out = bench.path("gate.scan")
     for name, flags in (("with surfels", []), ("without", ["--no-surfels"])):

@@ -12,7 +12,7 @@ REAL = "laz/autzen-stadium-10m.laz"
 def fast_row(bench, cloud, method):
     full = bench.turn(cloud, method)
     floor = bench.turn(cloud, method, size=(bench.size[0] // 2, bench.size[1] // 2), flags=["--detail", "2"])
-    still = bench.turn(cloud, method, frames=max(2, bench.frames // 3), samples=4)
+    still = bench.turn(cloud, method, views=4, samples=4)
     return {"method": method, "ms": full["medianMs"], "encode": stage(full, "encode"), "samples": full["samples"], "floorMs": floor["medianMs"],
             "stillMs": still["medianMs"], "stages": {s["name"]: s["medianMs"] for s in full["stages"]}}
 
@@ -53,7 +53,7 @@ def measure_papers(bench):
     for size in sizes:
         flags = ["--detail", "1", "--param", f"scale={size}" if size > 0 else "sizePx=1"]
         for method, label, _ in papers_settings.PLOT_METHODS:
-            stats = bench.turn(bench.town(), method, size=bench.size if bench.quick else (1920, 955), frames=2 if bench.quick else 12, flags=flags)
+            stats = bench.turn(bench.town(), method, size=bench.size if bench.quick else (1920, 955), views=4, flags=flags)
             rates.setdefault(method, []).append([size, 1000 / without(stats, "encode")])
     return {"voronoi": voronoi, "hidden": stage(hidden, "hidden points"), "pyramid": hidden["medianMs"], "rates": rates}
 

@@ -40,11 +40,11 @@ def measure_points(bench):
         cloud = bench.town(points, surfels=False, piped=True)
         ingest.append([points, time.monotonic() - begun, os.path.getsize(cloud)])
         for method in bench.methods(*WITHOUT_SURFELS):
-            stats = bench.turn(cloud, method, frames=2 if bench.quick else 24, turns=2)
+            stats = bench.turn(cloud, method)
             lines.setdefault(method, []).append([points, without(stats, "encode")])
         if points * BRUTE_FORCE_BYTES < memory() * 0.6:
             try:
-                stats = bench.turn(cloud, "point", frames=2 if bench.quick else 5, flags=["--brute-force"])
+                stats = bench.turn(cloud, "point", views=2, flags=["--brute-force"])
                 lines.setdefault(every, []).append([points, without(stats, "encode")])
             except Failed as problem:
                 said.append(f"{power(points)} points without a hierarchy: {problem}.")
@@ -81,7 +81,7 @@ def one_by_one(bench, values, flags_of, size_of=lambda value: None, methods=DRAW
     cloud, lines = bench.town(), {}
     for value in values:
         for method in bench.methods(*methods):
-            stats = bench.turn(cloud, method, size=size_of(value), frames=2 if bench.quick else 12, turns=1, flags=flags_of(value), **more)
+            stats = bench.turn(cloud, method, size=size_of(value), flags=flags_of(value), **more)
             lines.setdefault(method, []).append([value if not isinstance(value, tuple) else value[0] * value[1], without(stats, "encode")])
     return lines
 

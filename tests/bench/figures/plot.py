@@ -81,6 +81,14 @@ def apart(places, least):
     return result
 
 
+def colours_of(names):
+    """Places in COLOURS: a method's own, and what the methods of this plot leave for the others, from the end."""
+    own = [METHODS.index(name) if name in METHODS else None for name in names]
+    free = [i for i in reversed(range(len(COLOURS))) if i not in own] or [0]
+    others = (free[i % len(free)] for i in range(len(names)))
+    return [next(others) if colour is None else colour for colour in own]
+
+
 def lines(title, x_label, y_label, series, log_x=False, log_y=False, ticks_x=None, name_of=plain):
     """The SVG's text. `series`: [(name, [(x, y), …])], at least one with a point; ticks_x: the places to name, by name_of(x)."""
     series = [(name, sorted(points)) for name, points in series if points]
@@ -107,8 +115,8 @@ def lines(title, x_label, y_label, series, log_x=False, log_y=False, ticks_x=Non
     out.append(f'<text x="{LEFT + WIDTH / 2}" y="{TOP + HEIGHT + 46}" text-anchor="middle">{escape(x_label)}</text>')
     out.append(f'<text transform="translate(18 {TOP + HEIGHT / 2}) rotate(-90)" text-anchor="middle">{escape(y_label)}</text>')
     names = apart([place_y(points[-1][1]) for _, points in series], 16)
-    for i, ((name, points), name_y) in enumerate(zip(series, names)):
-        colour = (METHODS.index(name) if name in METHODS else len(METHODS) - 1 - i) % len(COLOURS)
+    colours = colours_of([name for name, _ in series])
+    for (name, points), name_y, colour in zip(series, names, colours):
         places = [(place_x(a), place_y(b)) for a, b in points]
         out.append(f'<polyline class="l c{colour}" points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in places)}"/>')
         out += [f'<circle class="f{colour}" cx="{a:.1f}" cy="{b:.1f}" r="3"/>' for a, b in places]

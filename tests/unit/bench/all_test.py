@@ -170,6 +170,12 @@ class Plots(unittest.TestCase):
         for circle in svg.iter(tag + "circle"):
             self.assertTrue(left < float(circle.get("cx")) < width and top < float(circle.get("cy")) < height)
 
+    def test_no_two_lines_have_one_colour(self):
+        for names in (["point", "paraboloid", "hqs", "pyramid", "point, every point"], ["each, median", "the slowest", "all together"], plot.METHODS):
+            self.assertEqual(len(set(plot.colours_of(names))), len(names), names)
+        self.assertEqual(plot.colours_of(["x", "ewa"])[1], plot.colours_of(["ewa"])[0])
+        self.assertLess(max(plot.colours_of([str(i) for i in range(50)])), len(plot.COLOURS))
+
     def test_of_one_point_of_equal_values_and_of_zero(self):
         for points in ([(1, 1)], [(1, 5), (2, 5)], [(1, 0), (2, 0)]):
             self.parsed("t", "x", "y", [("s", points)])

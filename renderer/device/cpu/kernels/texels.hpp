@@ -12,15 +12,6 @@ inline constexpr float infinity = __builtin_inff();
 /// Depths above it are infinite: nothing is there.
 inline constexpr float finiteDepths = 3.4e38f;
 
-/// Bit i is lane i of a mask.
-inline int bitsOf(IntW mask) {
-#if SCANCAST_SIMD_LEVEL >= 3
-    return __builtin_ia32_movmskps256(reinterpret_cast<FloatW>(mask));
-#else
-    return __builtin_ia32_movmskps(reinterpret_cast<FloatW>(mask));
-#endif
-}
-
 inline IntW laneIndices() {
     return toInt(laneNumbers<wideLanes>());
 }

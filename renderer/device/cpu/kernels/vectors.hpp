@@ -163,6 +163,15 @@ inline FloatW floorOf(FloatW v) {
 #endif
 }
 
+/// Bit i is lane i of a mask.
+inline int bitsOf(IntW mask) {
+#if SCANCAST_SIMD_LEVEL >= 3
+    return __builtin_ia32_movmskps256(reinterpret_cast<FloatW>(mask));
+#else
+    return __builtin_ia32_movmskps(reinterpret_cast<FloatW>(mask));
+#endif
+}
+
 /// order << 32 | payload, lane by lane, to an array.
 inline void storeKeys(Key* place, IntW order, IntW payload) {
 #if SCANCAST_SIMD_LEVEL >= 3

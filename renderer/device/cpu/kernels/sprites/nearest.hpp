@@ -1,6 +1,6 @@
 // Second half of a splat pass: placed samples → keys. Four ways, chosen by a splat's size:
 //   up to 1 px      one key a sample, computed for a whole block, then stored one by one (whole runs only);
-//   up to 4 px      a vector of splats at a time (small.hpp);
+//   up to 6 px      a vector of splats at a time (small.hpp), of more than 4 px where several of a vector are;
 //   up to guardPx   rows of keys at once, so many for each of a few classes of size, no clipping: what hangs over the tile's
 //                   border falls into its guard band;
 //   larger          row by row, chunk by chunk, clipped to the tile.

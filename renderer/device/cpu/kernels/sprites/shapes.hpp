@@ -7,8 +7,15 @@
 namespace scancast::cpu {
 namespace {
 
-/// Half the size of what is drawn a vector of splats at a time.
-inline constexpr float smallHalf = 2;
+/// Of what is drawn a vector of splats at a time: the most pixels on each side, and half the size. Just below three, so that no rounding makes a
+/// seventh pixel of it.
+inline constexpr int largestSide = 6;
+inline constexpr float smallHalf = 2.99f;
+/// Half the size above which a splat may have a third, fourth … row and column. (Above two the profile alone says what is covered, so a
+/// sixth pixel is looked at a little before it can be.)
+inline constexpr float pixelsFrom[largestSide] = {0, 0, 1, 1.5f, 2, 2.49f};
+/// All of a vector are drawn over the square of its largest: fewer splats of more than four pixels than these are drawn apart.
+inline constexpr int fewLarge = 3;
 /// What is larger is drawn splat by splat, as so many rows of pixels at most. What is larger than the last is clipped
 /// and drawn row by row.
 inline constexpr int sizeClasses = 3;
@@ -51,12 +58,15 @@ inline void collectSplats(const Block& b, const KeyTile& tile, Splats& s) {
     for (int i = 0, group = 0; i < b.padded; i += wideLanes, ++group) {
         const FloatW half = load<FloatW>(b.half + i);
         const IntW reaches = reachesTile(b, i, tile);
-        const IntW small = reaches & (half <= smallHalf), rest = reaches & (half > smallHalf);
+        const int large = __builtin_popcount(bitsOf(reaches & (half > pixelsFrom[4]) & (half <= smallHalf)));
+        const bool apart = large < fewLarge;
+        const FloatW most = all(apart ? pixelsFrom[4] : smallHalf);
+        const IntW small = reaches & (half <= most), rest = reaches & (half > most);
         store(s.small + i, small);
-        s.sides[group] = anyOf<wideLanes>(small & (half > 1.5f))   ? 4
-                         : anyOf<wideLanes>(small & (half > 1.0f)) ? 3
-                         : anyOf<wideLanes>(small)                 ? 2
-                                                                   : 0;
+        int side = apart ? 4 : largestSide;
+        while (side > 2 && !anyOf<wideLanes>(small & (half > pixelsFrom[side - 1]))) --side;
+        if (side == 2 && !anyOf<wideLanes>(small)) side = 0;
+        s.sides[group] = side;
         if (!anyOf<wideLanes>(rest)) continue;
         for (int lane = 0; lane < wideLanes; ++lane) {
             if (rest[lane] == 0) continue;

@@ -1,4 +1,4 @@
-// Sprites of up to four by four pixels, which most are: a vector of splats at a time, all of them over a square of as many
+// Sprites of up to six by six pixels, which most are: a vector of splats at a time, all of them over a square of as many
 // pixels as the largest needs. So everything but the comparison with what is there already is computed for a whole
 // vector. Nothing is clipped: what hangs over the tile's border falls into its guard band. Part of kernels.cpp.
 #pragma once
@@ -8,15 +8,13 @@
 namespace scancast::cpu {
 namespace {
 
-inline constexpr int largestSide = 4;
-
 /// Of so many pixels in a row, each splat's in its lane.
 struct PixelRow {
     IntW order[largestSide], payload[largestSide];
 };
 
-/// Keeps the nearest of what is there and a row of `side` pixels of each splat, at its place in `keys`.
-template <int side>
+/// Keeps the nearest of what is there and `side` pixels of each splat, of a row from pixel `from` on, at its place in `keys`.
+template <int side, int from = 0>
 inline void storeRows(Key* keys, const std::int32_t* places, const PixelRow& row) {
 #if SCANCAST_SIMD_LEVEL >= 3
     // Lanes 0, 1, 4, 5 and 2, 3, 6, 7 of a column, as keys.
@@ -31,7 +29,7 @@ inline void storeRows(Key* keys, const std::int32_t* places, const PixelRow& row
     const auto put = [&](int lane, Keys4 first, Keys4 second) {
         Key* const low = keys + places[lane];
         Key* const high = keys + places[lane + 4];
-        if constexpr (side == 2) {
+        if constexpr (side <= 2) {
             keepNearest(low, __builtin_shufflevector(first, first, 0, 1));
             keepNearest(high, __builtin_shufflevector(first, first, 2, 3));
         } else {
@@ -62,8 +60,10 @@ inline void storeRows(Key* keys, const std::int32_t* places, const PixelRow& row
 #endif
     using Keys = decltype(lower(0));
     const Keys none = Keys{} + emptyKey;
-    putBoth(0, lower(0), lower(1), side > 2 ? lower(2) : none, side > 3 ? lower(3) : none);
-    putBoth(2, upper(0), upper(1), side > 2 ? upper(2) : none, side > 3 ? upper(3) : none);
+    putBoth(0, lower(from), side > 1 ? lower(from + 1) : none, side > 2 ? lower(from + 2) : none,
+            side > 3 ? lower(from + 3) : none);
+    putBoth(2, upper(from), side > 1 ? upper(from + 1) : none, side > 2 ? upper(from + 2) : none,
+            side > 3 ? upper(from + 3) : none);
 }
 
 /// Splats i, i + 1 …, those of them that are `drawn`; none of these is larger than `side` px.
@@ -83,11 +83,10 @@ void drawSmall(const Block& b, const Splats& s, int i, IntW drawn, const KeyTile
     alignas(32) std::int32_t places[wideLanes];
     store(places, drawn ? offset : all(0));
     // Each splat has the rows and columns that its own size gives it, whoever stands beside it.
-    const IntW hasThird = half > 1.0f, hasFourth = half > 1.5f;
     const auto within = [&](int index, FloatW away) {
         constexpr float outside = 1024;
         if (index < 2) return away;
-        return (index == 2 ? hasThird : hasFourth) ? away : all(outside);
+        return half > pixelsFrom[index] ? away : all(outside);
     };
     FloatW dx[side], dx2[side];
     IntW central[side];
@@ -116,7 +115,8 @@ void drawSmall(const Block& b, const Splats& s, int i, IntW drawn, const KeyTile
                 out.payload[c] = color;
             }
         }
-        storeRows<side>(keys, places, out);
+        storeRows < side<4 ? side : 4>(keys, places, out);
+        if constexpr (side > 4) storeRows<side - 4, 4>(keys + 4, places, out);
     }
 }
 
@@ -134,6 +134,12 @@ void splatSmall(const Block& b, const Splats& s, const KeyTile& tile) {
                 break;
             case 4:
                 drawSmall<shape, 4, colors>(b, s, i, drawn, tile);
+                break;
+            case 5:
+                drawSmall<shape, 5, colors>(b, s, i, drawn, tile);
+                break;
+            case 6:
+                drawSmall<shape, 6, colors>(b, s, i, drawn, tile);
                 break;
             default:
                 break;

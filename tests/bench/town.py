@@ -19,14 +19,12 @@ import struct
 import subprocess
 import tempfile
 import time
-import urllib.error
-import urllib.request
 import zlib
 
 from figures import told
+from first_picture import LONGEST, answer
 
 VIEW = ["--width", "1280", "--height", "720", "--method", "paraboloid", "--detail", "1"]
-LONGEST = 600  # seconds
 
 
 def run(*command, **more):
@@ -73,17 +71,6 @@ def holes(scancast, cloud, center, ground, folder, sheet):
         sheet.figure(f"holes, from {height} m above the street at τ = 1, of {1280 * 720:,} pixels", count)
 
 
-def answer(url):
-    """Bytes, or None where the server has none yet."""
-    try:
-        with urllib.request.urlopen(url) as response:
-            return response.read()
-    except urllib.error.HTTPError as problem:
-        if problem.code not in (404, 503):
-            raise
-        return None
-
-
 def serve(scancast, client, las, folder, sheet):
     """Times what is seen first, which is a coarse cloud, and the whole; gives the whole one's picture and what is known of it."""
     start = time.monotonic()
@@ -92,17 +79,17 @@ def serve(scancast, client, las, folder, sheet):
         url = re.search(r"http://[^/]+", server.stdout.readline()).group(0)
         cloud = f"{url}/api/v1/clouds/{os.path.splitext(os.path.basename(las))[0]}"
         picture = f"{cloud}/snapshot.jpg?width=1280&height=720&method=paraboloid&detail=1"
-        first = 0
+        shown = False
         while True:
             known, now = json.loads(answer(cloud) or '{"state": "loading"}'), time.monotonic() - start
             if known["state"] == "failed" or now > LONGEST:
                 raise SystemExit(f"{las} is not there after {now:.0f} s: {known.get('error', known['state'])}")
-            if known["state"] == "ready":
+            if not shown and answer(picture):
+                shown, now = True, time.monotonic() - start
+                print(f"first picture {now:.2f} s after serve starts")
+                sheet.figure("first still after `serve` starts, of a LAS file", now, "s")
+            if known["state"] == "ready" and shown:
                 break
-            if not first and answer(picture):
-                first = time.monotonic() - start
-                print(f"first picture {first:.2f} s after serve starts")
-                sheet.figure("first still after `serve` starts, of a LAS file", first, "s")
             time.sleep(0.02)
         print(f"the whole scan {now:.1f} s after serve starts")
         sheet.figure("the whole scan after `serve` starts", now, "s")

@@ -219,7 +219,7 @@ class Words(unittest.TestCase):
         for word in ("`abc`, with changes that are in no commit", "2026-01-02 to 2026-01-03", "C; 1 core, a virtual machine", "3.5 GB", "no graphics card", "g++ 12", "tbb 2021.8, z 1.2"):
             self.assertIn(word, text)
 
-    @unittest.skipUnless(shutil.which("ninja"), "no ninja")
+    @unittest.skipUnless(shutil.which("ninja"), "MISSING: ninja")
     def test_programs_of_another_tree_are_noticed(self):
         rules = "\n".join(["rule again", " command = true", " generator = 1", "build never: phony", "build build.ninja: again never",  # as CMake looks for new files
                            "rule copy", " command = cp $in $out", "build scancast: copy main.cpp", "build scancast-client: copy main.cpp", ""])

@@ -115,8 +115,13 @@ void drawSmall(const Block& b, const Splats& s, int i, IntW drawn, const KeyTile
                 out.payload[c] = color;
             }
         }
-        storeRows < side<4 ? side : 4>(keys, places, out);
-        if constexpr (side > 4) storeRows<side - 4, 4>(keys + 4, places, out);
+        constexpr int beyondFour = side - 4;
+        if constexpr (beyondFour > 0) {
+            storeRows<4>(keys, places, out);
+            storeRows<beyondFour, 4>(keys + 4, places, out);
+        } else {
+            storeRows<side>(keys, places, out);
+        }
     }
 }
 
